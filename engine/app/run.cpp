@@ -1,0 +1,258 @@
+// The run loop: in real time in a window, or tick by tick as fast as it goes.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <optional>
+
+#include "engine/app/app_state.h"
+#include "engine/app/capture.h"
+#include "engine/app/command_line.h"
+#include "engine/app/trace.h"
+#include "engine/core/file.h"
+#include "engine/core/log.h"
+#include "engine/core/parallel.h"
+#include "engine/gpu/counters.h"
+#include "engine/gpu/load.h"
+#include "engine/gpu/program.h"
+#include "engine/platform/fixed_step.h"
+#include "engine/platform/replay.h"
+
+namespace scree {
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Motion of a frame relative to that of a tick is clamped to this: a stalled window must not smear.
+constexpr float kMaxMotionScale = 8;
+// Changed shader sources are looked for this often, seconds.
+constexpr double kReloadInterval = 1;
+// A progress line on a terminal at most this often, seconds.
+constexpr double kProgressInterval = 0.25;
+
+}  // namespace
+
+// One run: what App::run() keeps between its steps.
+class Run {
+ public:
+  explicit Run(App& app, App::State& state) : app_(app), state_(state), options_(state.options) {}
+
+  Status operator()() {
+    if (Status status = open(); !status.ok()) return status;
+    const double start = now();
+    Status status = inRealTime() ? playRealTime() : playLockstep();
+    if (!status.ok()) return status;
+    return finish(now() - start);
+  }
+
+ private:
+  bool wantsFrames() const {
+    return !options_.capture.empty() || !options_.stats.empty() || !options_.trace.empty() ||
+           options_.print_frame;
+  }
+  bool inRealTime() const {
+    return state_.context && state_.context->presents() && options_.capture.empty();
+  }
+  bool ended() const {
+    return app_.world().singleton<QuitRequest>().requested ||
+           (options_.max_ticks > 0 && app_.tickIndex() >= options_.max_ticks) ||
+           (player_ && player_->finished());
+  }
+
+  Status open() {
+    if (Status status = checkOptions(options_); !status.ok()) return status;
+    if (!options_.bindings.empty())
+      if (Status status = state_.actions.loadBindings(options_.bindings); !status.ok()) return status;
+    if (!options_.replay.empty()) {
+      Result<Replay> replay = readReplay(options_.replay, &state_.actions);
+      if (!replay.ok()) return replay.takeError();
+      if (replay->level != options_.level)
+        return Error{fmt::format("{}: level is '{}', but the run's level is '{}'",
+                                 options_.replay.string(), replay->level, options_.level)};
+      if (replay->ticks_per_second != 60)
+        return Error{fmt::format("{}: rate is {}, allowed is 60", options_.replay.string(),
+                                 replay->ticks_per_second)};
+      player_.emplace(std::move(*replay), state_.actions);
+    }
+    if (!options_.record.empty()) recorder_.emplace(state_.actions, options_.level);
+    if (!options_.capture.empty()) {
+      Result<Capture> capture = Capture::open(options_.capture, options_.capture_exr);
+      if (!capture.ok()) return capture.takeError();
+      capture_.emplace(std::move(*capture));
+    }
+    if (options_.context == ContextKind::Auto || options_.context == ContextKind::Window ||
+        wantsFrames()) {
+      Result<std::unique_ptr<Context>> context =
+          makeContext({.kind = options_.context,
+                       .size = options_.size,
+                       .title = options_.title,
+                       .debug = options_.gl_debug});
+      if (!context.ok()) return Error{context.error(), ErrorKind::Failure};
+      state_.context = std::move(*context);
+      if (Status status = gpu::loadFunctions(state_.context->getProcAddress()); !status.ok())
+        return Error{status.error(), ErrorKind::Failure};
+      logInfo("{}", state_.context->description());
+    }
+    if (!inRealTime() && !player_ && options_.max_ticks == 0)
+      return Error{"without a window a run needs an end: --replay FILE or --ticks N"};
+    sampler_.emplace(state_.actions);
+    if (wantsFrames()) state_.frame.separatePasses(true);
+    return Done{};
+  }
+
+  Status tick() {
+    ActionState& actions = app_.world().singleton<ActionState>();
+    if (player_)
+      player_->tick(actions);
+    else
+      sampler_->tick(actions);
+    if (recorder_) recorder_->record(actions);
+    const double start = now();
+    app_.tick();
+    const double tick_ms = (now() - start) * 1e3;
+    if (!options_.stats.empty()) statistics_.addTick(state_.schedule, tick_ms);
+    if (!options_.trace.empty())
+      trace_.addSystems(state_.schedule, {Phase::Input, Phase::Simulate});
+    if (!options_.hash_log.empty())
+      fmt::format_to(std::back_inserter(hash_lines_), "{} {:016x}\n", app_.tickIndex(),
+                     app_.world().stateHash());
+    return Done{};
+  }
+
+  void render(ivec2 size, float alpha, float motion_scale, int samples) {
+    const gpu::Counters before = gpu::counters();
+    const double start = now();
+    app_.render(size, alpha, motion_scale, samples);
+    const double frame_ms = (now() - start) * 1e3;
+    if (!options_.stats.empty())
+      statistics_.addFrame(state_.frame, frame_ms, gpu::counters() - before);
+    if (!options_.trace.empty()) {
+      trace_.addSystems(state_.schedule, {Phase::Animate, Phase::Prepare});
+      trace_.addPasses(state_.frame);
+    }
+  }
+
+  Status playRealTime() {
+    FixedStep step(kTickSeconds);
+    RawInput input;
+    double last = now(), last_frame = last, last_reload = last;
+    while (!ended() && !state_.context->shouldClose()) {
+      input.events.clear();
+      state_.context->poll(input);
+      sampler_->feed(input);
+      const double time = now();
+      const int ticks = step.advance(time - last);
+      last = time;
+      for (int i = 0; i < ticks && !ended(); ++i)
+        if (Status status = tick(); !status.ok()) return status;
+      if (state_.context->minimised()) {
+        usleep(10'000);
+        continue;
+      }
+      const double frame_s = time - last_frame;
+      last_frame = time;
+      if (time - last_reload > kReloadInterval) {
+        last_reload = time;
+        gpu::reloadPrograms();
+      }
+      const bool paused = app_.world().singleton<Simulation>().paused;
+      const auto motion = static_cast<float>(frame_s / kTickSeconds);
+      const ivec2 size = state_.context->framebufferSize();
+      render(size, paused ? 1.0f : step.alpha(), std::clamp(motion, 0.0f, kMaxMotionScale), 1);
+      gpu::copyToWindow(state_.frame.texture(Frame::kOutput), size);
+      state_.context->swap();
+    }
+    return Done{};
+  }
+
+  bool isCaptured(uint64_t tick) const {
+    if (options_.capture_every > 0 && tick % options_.capture_every == 0) return true;
+    return std::binary_search(options_.capture_frames.begin(), options_.capture_frames.end(), tick);
+  }
+
+  Status playLockstep() {
+    double last_progress = 0;
+    while (!ended()) {
+      if (Status status = tick(); !status.ok()) return status;
+      const uint64_t index = app_.tickIndex();
+      if (capture_ ? isCaptured(index) : wantsFrames())
+        render(options_.size, 1.0f, 1.0f, capture_ ? options_.truth : 1);
+      if (capture_ && isCaptured(index))
+        if (Status status = capture_->add(state_.frame, index, options_.radiance_targets);
+            !status.ok())
+          return status;
+      if (const double time = now(); time - last_progress > kProgressInterval) {
+        last_progress = time;
+        progress(index);
+      }
+    }
+    progress(app_.tickIndex());
+    if (isatty(STDERR_FILENO)) std::fputc('\n', stderr);
+    return Done{};
+  }
+
+  void progress(uint64_t tick) const {
+    if (!isatty(STDERR_FILENO)) return;
+    uint64_t total = player_ ? player_->replay().ticks : options_.max_ticks;
+    if (player_ && options_.max_ticks > 0) total = std::min(total, options_.max_ticks);
+    constexpr int kWidth = 40;
+    const int filled = total > 0 ? static_cast<int>(tick * kWidth / total) : 0;
+    fmt::print(stderr, "\r[{:=<{}}{:{}}] {}/{} ticks", "", filled, "", kWidth - filled, tick, total);
+  }
+
+  Status finish(double wall_s) {
+    if (recorder_)
+      if (Status status = writeReplay(options_.record, recorder_->replay()); !status.ok())
+        return status;
+    if (!options_.hash_log.empty())
+      if (Status status =
+              writeFile(options_.hash_log, std::string_view(hash_lines_.data(), hash_lines_.size()));
+          !status.ok())
+        return status;
+    if (capture_) {
+      if (Status status = capture_->finish(); !status.ok()) return status;
+      fmt::print("{} frames: {}\n", capture_->frameCount(), capture_->folder().string());
+      if (capture_->frameCount() > 0)
+        fmt::print("contact sheet: {}\n", (capture_->folder() / "contact_sheet.png").string());
+      if (!options_.capture_frames.empty() && options_.capture_frames.back() > app_.tickIndex())
+        logWarning("the run ended at tick {}: later frames of --frames were not captured",
+                   app_.tickIndex());
+    }
+    if (!options_.stats.empty()) {
+      if (Status status = statistics_.write(options_.stats, state_.gauges,
+                                            state_.context->description(), options_.size,
+                                            threadCount(), wall_s);
+          !status.ok())
+        return status;
+      fmt::print("statistics: {}\n", options_.stats.string());
+    }
+    if (!options_.trace.empty()) {
+      if (Status status = trace_.write(options_.trace); !status.ok()) return status;
+      fmt::print("trace: {}\n", options_.trace.string());
+    }
+    if (options_.print_frame) {
+      state_.frame.finishTimers();
+      fmt::print("{}", state_.frame.describe());
+    }
+    return Done{};
+  }
+
+  App& app_;
+  App::State& state_;
+  const AppOptions& options_;
+  std::optional<ReplayPlayer> player_;
+  std::optional<ReplayRecorder> recorder_;
+  std::optional<ActionSampler> sampler_;
+  std::optional<Capture> capture_;
+  Statistics statistics_;
+  Trace trace_;
+  fmt::memory_buffer hash_lines_;
+};
+
+Status App::run() { return Run(*this, *state_)(); }
+
+}  // namespace scree

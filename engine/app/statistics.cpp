@@ -1,0 +1,76 @@
+// Collects series of numbers and writes their medians and 99th percentiles.
+#include "engine/app/statistics.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "engine/app/app.h"
+#include "engine/core/file.h"
+
+namespace scree {
+namespace {
+
+// Value at a fraction of the sorted values (nearest rank); 0 for none.
+double percentile(std::vector<float> values, double fraction) {
+  if (values.empty()) return 0;
+  const auto rank = static_cast<size_t>(fraction * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
+  return values[rank];
+}
+
+nlohmann::ordered_json summary(const std::vector<float>& values) {
+  return {{"median", percentile(values, 0.5)},
+          {"p99", percentile(values, 0.99)},
+          {"count", values.size()}};
+}
+
+}  // namespace
+
+void Statistics::addTick(const Schedule& schedule, double tick_ms) {
+  ticks_.add(tick_ms);
+  for (const SystemReport& system : schedule.report())
+    if (system.on) systems_[system.name].add(system.cpu_ms);
+}
+
+void Statistics::addFrame(const Frame& frame, double frame_ms, const gpu::Counters& work) {
+  frames_.add(frame_ms);
+  draws_.add(static_cast<double>(work.draws));
+  dispatches_.add(static_cast<double>(work.dispatches));
+  bytes_uploaded_.add(static_cast<double>(work.bytes_uploaded));
+  for (const PassReport& pass : frame.report()) {
+    if (!pass.on) continue;
+    PassSeries& series = passes_[pass.name];
+    series.cpu.add(pass.cpu_ms);
+    if (pass.gpu_ms >= 0) series.gpu.add(pass.gpu_ms);
+  }
+}
+
+Status Statistics::write(const std::filesystem::path& path, const std::vector<Gauge>& gauges,
+                         const std::string& context, ivec2 size, int threads,
+                         double wall_s) const {
+  nlohmann::ordered_json json;
+  json["context"] = context;
+  json["size"] = {size.x, size.y};
+  json["threads"] = threads;
+  json["wall_s"] = wall_s;
+  json["simulated_s"] = static_cast<double>(ticks_.values.size()) * kTickSeconds;
+  json["simulated_s_per_wall_s"] =
+      wall_s > 0 ? static_cast<double>(ticks_.values.size()) * kTickSeconds / wall_s : 0.0;
+  const double play_ms = percentile(ticks_.values, 0.5) + percentile(frames_.values, 0.5);
+  json["frames_per_second_of_one_tick_and_one_frame"] =
+      frames_.values.empty() || play_ms <= 0 ? 0.0 : 1000.0 / play_ms;
+  for (const Gauge& gauge : gauges) json[gauge.name] = gauge.read();
+  json["tick_ms"] = summary(ticks_.values);
+  json["frame_ms"] = summary(frames_.values);
+  json["draws"] = summary(draws_.values);
+  json["dispatches"] = summary(dispatches_.values);
+  json["bytes_uploaded"] = summary(bytes_uploaded_.values);
+  for (const auto& [name, series] : systems_) json["systems"][name]["cpu_ms"] = summary(series.values);
+  for (const auto& [name, series] : passes_) {
+    json["passes"][name]["cpu_ms"] = summary(series.cpu.values);
+    json["passes"][name]["gpu_ms"] = summary(series.gpu.values);
+  }
+  return writeFile(path, json.dump(2) + "\n");
+}
+
+}  // namespace scree

@@ -1,0 +1,89 @@
+// File reading and writing over the standard streams.
+#include "engine/core/file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+namespace scree {
+namespace fs = std::filesystem;
+namespace {
+
+template <class Buffer>
+Result<Buffer> readWhole(const fs::path& path, uint64_t max_bytes) {
+  std::error_code code;
+  const auto status = fs::status(path, code);
+  if (code || !fs::exists(status)) return Error{fmt::format("{}: no such file", path.string())};
+  if (!fs::is_regular_file(status)) return Error{fmt::format("{}: not a regular file", path.string())};
+  const uint64_t size = fs::file_size(path, code);
+  if (code) return Error{fmt::format("{}: {}", path.string(), code.message())};
+  if (size > max_bytes)
+    return Error{fmt::format("{}: {} bytes; at most {} are read", path.string(), size, max_bytes)};
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) return Error{fmt::format("{}: {}", path.string(), std::strerror(errno))};
+  Buffer content(size, {});
+  stream.read(reinterpret_cast<char*>(content.data()), static_cast<std::streamsize>(size));
+  if (static_cast<uint64_t>(stream.gcount()) != size)
+    return Error{fmt::format("{}: read {} of {} bytes", path.string(), stream.gcount(), size)};
+  return content;
+}
+
+fs::path rootFrom(const char* variable, const char* source, const char* installed) {
+  if (const char* set = std::getenv(variable); set && *set) return set;
+  std::error_code ignored;
+  if (fs::is_directory(source, ignored)) return source;
+  return installed;
+}
+
+}  // namespace
+
+Result<std::string> readText(const fs::path& path, uint64_t max_bytes) {
+  return readWhole<std::string>(path, max_bytes);
+}
+
+Result<std::vector<uint8_t>> readBytes(const fs::path& path, uint64_t max_bytes) {
+  return readWhole<std::vector<uint8_t>>(path, max_bytes);
+}
+
+fs::path temporaryPath(const fs::path& path) {
+  fs::path temporary = path;
+  temporary.replace_filename(
+      fmt::format(".{}.{}{}", path.stem().string(), getpid(), path.extension().string()));
+  return temporary;
+}
+
+Status renameInto(const fs::path& temporary, const fs::path& path) {
+  std::error_code code;
+  fs::rename(temporary, path, code);
+  if (!code) return Done{};
+  std::error_code ignored;
+  fs::remove(temporary, ignored);
+  return Error{fmt::format("{}: cannot write: {}", path.string(), code.message()),
+               ErrorKind::Failure};
+}
+
+Status writeFile(const fs::path& path, std::string_view content) {
+  return writeThenRename(path, [&](const fs::path& temporary) -> Status {
+    std::ofstream stream(temporary, std::ios::binary);
+    stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+    stream.close();
+    if (!stream)
+      return Error{fmt::format("{}: cannot write: {}", path.string(), std::strerror(errno)),
+                   ErrorKind::Failure};
+    return Done{};
+  });
+}
+
+fs::path shaderRoot() {
+  return rootFrom("SCREE_SHADERS", SCREE_SOURCE_SHADERS, SCREE_INSTALLED_SHADERS);
+}
+
+fs::path contentRoot() {
+  return rootFrom("SCREE_CONTENT", SCREE_SOURCE_CONTENT, SCREE_INSTALLED_CONTENT);
+}
+
+}  // namespace scree

@@ -1,0 +1,49 @@
+// Whole-file reading with a size limit, and writing that never leaves half a file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/result.h"
+
+namespace scree {
+
+// The largest file that is read into memory, bytes; a larger one is refused.
+inline constexpr uint64_t kMaxFileBytes = 1ull << 30;
+
+Result<std::string> readText(const std::filesystem::path& path, uint64_t max_bytes = kMaxFileBytes);
+Result<std::vector<uint8_t>> readBytes(const std::filesystem::path& path,
+                                       uint64_t max_bytes = kMaxFileBytes);
+
+// Writes beside the target, then renames; on an error the old file stays as it was.
+Status writeFile(const std::filesystem::path& path, std::string_view content);
+// Calls write(temporary path), then renames to `path`; for libraries that write files themselves.
+// The temporary path keeps the extension of `path`.
+template <class Write>
+Status writeThenRename(const std::filesystem::path& path, Write&& write);
+
+// Where shader sources are: $SCREE_SHADERS, else the source tree, else the installed share folder.
+std::filesystem::path shaderRoot();
+// Where levels, models and textures are: $SCREE_CONTENT, else the source tree's content folder.
+std::filesystem::path contentRoot();
+
+// The temporary path that writeThenRename writes to.
+std::filesystem::path temporaryPath(const std::filesystem::path& path);
+Status renameInto(const std::filesystem::path& temporary, const std::filesystem::path& path);
+
+template <class Write>
+Status writeThenRename(const std::filesystem::path& path, Write&& write) {
+  const std::filesystem::path temporary = temporaryPath(path);
+  if (Status written = write(temporary); !written.ok()) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    return written;
+  }
+  return renameInto(temporary, path);
+}
+
+}  // namespace scree

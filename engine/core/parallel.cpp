@@ -1,0 +1,54 @@
+// Parallel loops on oneTBB, whose idle threads park.
+#include "engine/core/parallel.h"
+
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace scree {
+namespace {
+
+struct Threads {
+  explicit Threads(int wanted)
+      : count(std::clamp(wanted > 0 ? wanted : tbb::info::default_concurrency(), 1, 256)),
+        limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(count)),
+        arena(count) {}
+  int count;
+  tbb::global_control limit;
+  tbb::task_arena arena;  // oneTBB's own has no more threads than the machine has cores
+};
+
+std::unique_ptr<Threads>& threads() {
+  static auto instance = std::make_unique<Threads>(0);
+  return instance;
+}
+
+}  // namespace
+
+void setThreadCount(int count) {
+  threads().reset();  // of two limits at a time the smaller would hold
+  threads() = std::make_unique<Threads>(count);
+}
+
+int threadCount() {
+  return threads()->count;
+}
+
+void parallelChunks(size_t count, size_t chunk_size,
+                    const std::function<void(size_t, size_t, size_t)>& body) {
+  const size_t chunks = (count + chunk_size - 1) / chunk_size;
+  const auto run = [&](size_t chunk) {
+    body(chunk, chunk * chunk_size, std::min(count, (chunk + 1) * chunk_size));
+  };
+  if (chunks <= 1 || threadCount() == 1) {
+    for (size_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
+    return;
+  }
+  threads()->arena.execute([&] { tbb::parallel_for(size_t{0}, chunks, run); });
+}
+
+}  // namespace scree

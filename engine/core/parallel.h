@@ -1,0 +1,20 @@
+// Parallel loops whose work division never depends on the number of threads.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace scree {
+
+// Lets parallel loops use `count` threads (1 to 256, also more than there are cores); 0 = one per
+// core. Not while a loop runs.
+void setThreadCount(int count);
+int threadCount();
+
+// Calls body(chunk, begin, end) for every chunk of `chunk_size` items of [0, count), in any order
+// and on any thread; chunk boundaries depend only on count and chunk_size. With one thread, or one
+// chunk, the calls are made in order on the caller's thread.
+void parallelChunks(size_t count, size_t chunk_size,
+                    const std::function<void(size_t chunk, size_t begin, size_t end)>& body);
+
+}  // namespace scree
