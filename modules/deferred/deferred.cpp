@@ -1,0 +1,85 @@
+// Registration: the targets, systems and passes of the module, in the order of the frame.
+#include "modules/deferred/deferred.h"
+
+#include "engine/app/app.h"
+#include "engine/gpu/gl.h"
+#include "engine/gpu/state.h"
+#include "modules/deferred/state.h"
+
+namespace scree {
+
+DeferredState::DeferredState(World& world_in)
+    : world(world_in), lights(world_in.query<const Light, const Transform>()), batches(world_in) {}
+
+std::vector<Use> gbufferUses(std::vector<Use> extra) {
+  std::vector<Use> uses = {{std::string(kGbufferAlbedo), Access::Color},
+                           {std::string(kGbufferNormal), Access::Color},
+                           {std::string(kGbufferEmissive), Access::Color},
+                           {std::string(kGbufferMotion), Access::Color},
+                           {std::string(kGbufferId), Access::Color},
+                           {std::string(kGbufferDepth), Access::Depth}};
+  uses.insert(uses.end(), extra.begin(), extra.end());
+  return uses;
+}
+
+bool shadowsWanted(World& world) {
+  return world.singleton<const Sun>().present && !world.singleton<const ShadowCasters>().spheres.empty();
+}
+
+std::vector<Use> shadowUses(std::vector<Use> extra) {
+  std::vector<Use> uses = {{std::string(kShadowMap), Access::Depth}};
+  uses.insert(uses.end(), extra.begin(), extra.end());
+  return uses;
+}
+
+gpu::DrawState shadowDrawState() {
+  // Both sides cast: the filter's bias lies with the receiver, and thin sheets have one side only.
+  return {.depth_clamp = true, .cull = gpu::Cull::None, .color_write = false};
+}
+
+gpu::Program fullScreenProgram(std::string name, std::vector<std::string> defines) {
+  gpu::ProgramDesc desc;
+  desc.vertex = "lib/full_screen.vert";
+  desc.fragment = "deferred/" + name.substr(name.find('.') + 1) + ".frag";
+  desc.name = std::move(name);
+  desc.defines = std::move(defines);
+  return gpu::Program(std::move(desc));
+}
+
+void addDeferred(App& app) {
+  const auto state = std::make_shared<DeferredState>(app.world());
+  World& world = app.world();
+  world.singleton<ShadowCasters>();
+  world.singleton<ShadowSettings>();
+  world.singleton<ShadowView>();
+  world.singleton<Sun>();
+  world.singleton<Exposure>();
+
+  app.addTarget(std::string(kGbufferAlbedo), {.format = GL_RGBA8});
+  app.addTarget(std::string(kGbufferNormal), {.format = GL_RGBA8});
+  app.addTarget(std::string(kGbufferEmissive), {.format = GL_R11F_G11F_B10F});
+  app.addTarget(std::string(kGbufferMotion), {.format = GL_RG16F});
+  app.addTarget(std::string(kGbufferId), {.format = GL_R32UI});
+  app.addTarget(std::string(kGbufferDepth), {.format = GL_DEPTH_COMPONENT32F});
+  app.addTarget(std::string(kShadowMap),
+                {.format = GL_DEPTH_COMPONENT16,
+                 .fixed_size = ivec2(rules::kShadowMapSize),
+                 .sampling = {.filter = gpu::Filter::Linear, .shadow = true}});
+  app.addTarget(std::string(kRadiance), {.format = GL_RGBA16F});
+  app.addTarget(std::string(kTruth), {.format = GL_RGBA32F});
+
+  app.addSystem(lightSystem(state));
+  app.addSystem(gatherSystem(state));
+
+  app.addPass({.name = "deferred.clear",
+               .stage = Stage::Geometry,
+               .uses = {{std::string(kGbufferId), Access::Clear}, {std::string(kGbufferDepth), Access::Clear}}});
+  app.addPass(opaquePass(state));
+  app.addPass(shadowPass(state));
+  app.addPass(lightPass(state));
+  app.addPass(skyPass(state));
+  app.addPass(accumulatePass(state));
+  app.addPass(presentPass(state));
+}
+
+}  // namespace scree

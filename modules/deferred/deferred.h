@@ -1,0 +1,107 @@
+// Deferred shading: the G-buffer that every representation writes, opaque meshes, one sun with a
+// shadow map, the sky and its light, tone mapping; and truth mode, the average of many samples a pixel.
+//
+// Equations: GGX with multiple scattering and glTF's mix of metal and dielectric (shared/brdf.h), sky
+// as a quadratic in the direction's height (shared/sky.h), normal-offset shadows with 3x3 filtering
+// (shared/shadow.h), PBR Neutral tone curve (shared/tonemap.h). In: modules/scene's MeshInstance,
+// Light, Sky, View; ShadowCasters. Out: the targets below and Frame::kOutput.
+// Cost: see README.md. An empty scene runs deferred.clear, deferred.sky and deferred.present only.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/math.h"
+#include "engine/frame/frame.h"
+#include "modules/scene/scene.h"
+#include "shaders/shared/lighting.h"
+#include "shaders/shared/shadow.h"
+
+namespace scree {
+
+class App;
+namespace gpu {
+struct DrawState;
+}
+
+// ---- Targets (formats and meaning: shaders/shared/gbuffer.h) -----------------------------------
+
+inline constexpr std::string_view kGbufferAlbedo = "gbuffer.albedo";
+inline constexpr std::string_view kGbufferNormal = "gbuffer.normal";
+inline constexpr std::string_view kGbufferEmissive = "gbuffer.emissive";
+inline constexpr std::string_view kGbufferMotion = "gbuffer.motion";
+inline constexpr std::string_view kGbufferId = "gbuffer.id";
+inline constexpr std::string_view kGbufferDepth = "gbuffer.depth";
+// Depth of what the sun sees first; see shaders/shared/shadow.h.
+inline constexpr std::string_view kShadowMap = "deferred.shadow_map";
+// RGBA16F, linear radiance of this sample; alpha 1.
+inline constexpr std::string_view kRadiance = "deferred.radiance";
+// RGBA32F, mean linear radiance of samples 0 to FrameInput::sample; truth mode only.
+inline constexpr std::string_view kTruth = "deferred.truth";
+
+// The uses of a pass that draws surfaces into the G-buffer with lib/gbuffer.glsl, in the order of
+// the fragment shader's outputs. `extra` is appended.
+std::vector<Use> gbufferUses(std::vector<Use> extra = {});
+
+// ---- Shadows: how a representation casts them --------------------------------------------------
+//
+// 1. In Phase::Prepare, a system registered after addDeferred appends spheres that contain what it
+//    will draw to ShadowCasters. Large groups may share a sphere: only the union's extent matters.
+// 2. A pass of Stage::Geometry, registered after addDeferred, with needs = shadowsWanted and uses =
+//    shadowUses(), draws depth with shadow_view.clip_from_relative (#include "shared/shadow.h"; the
+//    block is bound). Its DrawState: shadowDrawState(). The map is cleared already.
+
+// World singleton. Emptied at the start of every Phase::Prepare.
+struct ShadowCasters {
+  struct Sphere {
+    dvec3 center{0};  // world, m
+    float radius = 0; // m
+  };
+  std::vector<Sphere> spheres;
+};
+
+// True if the scene has a sun and some caster. For PassDesc::needs.
+bool shadowsWanted(World& world);
+std::vector<Use> shadowUses(std::vector<Use> extra = {});
+gpu::DrawState shadowDrawState();
+
+// World singleton; of the current frame from the pass deferred.shadow on.
+struct ShadowView {
+  rules::ShadowViewBlock block{};
+};
+
+// World singleton.
+struct ShadowSettings {
+  // The map covers no more than this far from the camera, across the light; what lies outside casts
+  // no shadow. Smaller is sharper, where the casters reach that far.
+  float max_distance_m = 150;
+  // Side of the used part of the map, 64 to rules::kShadowMapSize. 0: by the output's height, with
+  // about as many texels as the picture's finest use of them (shadowMapSide).
+  int side_texels = 0;
+  // One bilinear comparison in place of 3x3: harder, more jagged edges for less time.
+  bool single_fetch = false;
+};
+
+// Texels along a side of the map for an output of this height: 360 -> 1024, 720 and more -> 2048.
+int shadowMapSide(const ShadowSettings& settings, int output_height);
+
+// ---- Light -------------------------------------------------------------------------------------
+
+// World singleton; written in Phase::Prepare from the first directional Light (lowest entity index)
+// with a positive intensity. Other lights do not shine yet.
+struct Sun {
+  bool present = false;
+  vec3 to_sun{0, 1, 0};     // unit
+  vec3 irradiance{0};       // across the beam; colour * lux
+};
+
+// World singleton: radiance is multiplied by this before the tone curve.
+struct Exposure {
+  float scale = 1;
+};
+
+// Registers the systems and passes. Needs addScene before.
+void addDeferred(App& app);
+
+}  // namespace scree

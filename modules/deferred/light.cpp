@@ -1,0 +1,72 @@
+// deferred.light: shades what the G-buffer holds.
+#include "engine/gpu/draw.h"
+#include "engine/gpu/gl.h"
+#include "engine/gpu/state.h"
+#include "modules/deferred/lobe_table.h"
+#include "modules/deferred/state.h"
+
+namespace scree {
+namespace {
+
+struct LightPass {
+  // One program a situation, so that a scene does not pay for a sun or shadows that it lacks.
+  gpu::Program sky_only = fullScreenProgram("deferred.light");
+  gpu::Program sun = fullScreenProgram("deferred.light", {"SUN"});
+  gpu::Program sun_and_shadows = fullScreenProgram("deferred.light", {"SUN", "SHADOWS"});
+  gpu::Program sun_and_hard_shadows =
+      fullScreenProgram("deferred.light", {"SUN", "SHADOWS", "SHADOW_SINGLE_FETCH"});
+  gpu::Texture lobe_table;
+
+  void draw(DeferredState& state, PassContext& context);
+};
+
+gpu::Texture uploadLobeTable() {
+  gpu::Texture texture("deferred.lobe_table", {.format = GL_RGBA32F,
+                                               .size = ivec2(rules::kLobeTableSize),
+                                               .sampling = {.filter = gpu::Filter::Linear}});
+  const std::vector<vec4> table = makeLobeTable();
+  texture.upload(std::span(&table[0].x, table.size() * 4), 4);
+  return texture;
+}
+
+void LightPass::draw(DeferredState& state, PassContext& context) {
+  if (!lobe_table) lobe_table = uploadLobeTable();
+  const bool shadows = context.frame.hasContent(kShadowMap) &&
+                       state.world.singleton<const ShadowView>().block.enabled > 0;
+  const bool shining = state.world.singleton<const Sun>().present;
+  const bool hard = state.world.singleton<const ShadowSettings>().single_fetch;
+  gpu::Program& program = shadows ? (hard ? sun_and_hard_shadows : sun_and_shadows)
+                          : shining ? sun
+                                    : sky_only;
+  if (!program.use()) return;
+  context.frame.bindSampled(kGbufferAlbedo, rules::kGbufferAlbedoUnit);
+  context.frame.bindSampled(kGbufferNormal, rules::kGbufferNormalUnit);
+  context.frame.bindSampled(kGbufferEmissive, rules::kGbufferEmissiveUnit);
+  lobe_table.bind(rules::kLobeTableUnit);
+  if (shadows) {
+    context.frame.bindSampled(kGbufferDepth, rules::kGbufferDepthUnit);
+    context.frame.bindSampled(kShadowMap, rules::kShadowMapUnit);
+  }
+  // The triangle lies at depth 0: it passes where something nearer was drawn.
+  gpu::apply({.depth_func = gpu::Compare::Less, .depth_write = false});
+  gpu::drawFullScreen();
+}
+
+}  // namespace
+
+PassDesc lightPass(const SharedState& state) {
+  const auto pass = std::make_shared<LightPass>();
+  return {.name = "deferred.light",
+          .stage = Stage::Shade,
+          .needs_content = {std::string(kGbufferId)},
+          .uses = {{std::string(kGbufferAlbedo), Access::Sampled},
+                   {std::string(kGbufferNormal), Access::Sampled},
+                   {std::string(kGbufferEmissive), Access::Sampled},
+                   {std::string(kGbufferDepth), Access::Sampled},
+                   {std::string(kShadowMap), Access::Sampled},
+                   {std::string(kRadiance), Access::Color},
+                   {std::string(kGbufferDepth), Access::DepthTest}},
+          .run = [state, pass](PassContext& context) { pass->draw(*state, context); }};
+}
+
+}  // namespace scree

@@ -1,0 +1,76 @@
+// deferred.light_block: finds the sun and hands sun and sky to the GPU.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/log.h"
+#include "modules/deferred/state.h"
+#include "shaders/shared/bindings.h"
+#include "shaders/shared/gbuffer.h"
+
+namespace scree {
+namespace {
+
+bool finite(const vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// Names the light once for as long as it is the same one.
+void complain(DeferredState& state, Entity entity, std::string_view what) {
+  if (state.warned_lights == entity) return;
+  state.warned_lights = entity;
+  logWarning("deferred: light of entity {} {}; it does not shine", entity.index, what);
+}
+
+// Colours that are not finite or negative would poison every pixel.
+vec3 checkedRadiance(const vec3& radiance) {
+  vec3 result(0);
+  for (int i = 0; i < 3; ++i)
+    if (radiance[i] > 0) result[i] = std::min(radiance[i], rules::kMaxRadiance);
+  return result;
+}
+
+Sun findSun(DeferredState& state) {
+  Sun sun;
+  Entity chosen = Entity::kNone;
+  state.lights.each([&](Entity entity, const Light& light, const Transform& transform) {
+    if (light.kind != LightKind::Directional)
+      return complain(state, entity, "is not directional, which is all that is drawn yet");
+    const vec3 irradiance = light.color * light.intensity;
+    const vec3 to_sun = transform.rotation * vec3(0, 0, 1);
+    const float length = glm::length(to_sun);
+    if (!finite(irradiance) || glm::any(glm::lessThan(irradiance, vec3(0))) || !(length > 0.5f && length < 2))
+      return complain(state, entity,
+                      fmt::format("has colour ({}, {}, {}) x {} lux: allowed are finite values >= 0",
+                                  light.color.x, light.color.y, light.color.z, light.intensity));
+    if (irradiance == vec3(0)) return;
+    if (sun.present && entity.index > chosen.index) return;
+    chosen = entity;
+    sun = {true, to_sun / length, irradiance};
+  });
+  return sun;
+}
+
+void run(DeferredState& state) {
+  World& world = state.world;
+  const Sun sun = findSun(state);
+  world.singleton<Sun>() = sun;
+  world.singleton<ShadowCasters>().spheres.clear();
+
+  const Sky& sky = world.singleton<const Sky>();
+  state.lighting.sky = rules::skyPolynomial(checkedRadiance(sky.zenith), checkedRadiance(sky.horizon),
+                                            checkedRadiance(sky.ground));
+  state.lighting.to_sun = vec4(sun.to_sun, 0);
+  state.lighting.sun_irradiance = vec4(sun.irradiance, 0);
+  state.blocks.beginFrame();
+  state.blocks.write(state.lighting).bindUniform(rules::kLightingBinding);
+}
+
+}  // namespace
+
+SystemDesc lightSystem(const SharedState& state) {
+  return {.name = "deferred.light_block",
+          .phase = Phase::Prepare,
+          .run = [state](World&) { run(*state); }};
+}
+
+}  // namespace scree

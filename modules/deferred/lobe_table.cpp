@@ -1,0 +1,94 @@
+// Builds the lobe table by quasi-random integration.
+#include "modules/deferred/lobe_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+
+namespace scree {
+namespace {
+
+constexpr int kSize = rules::kLobeTableSize;
+constexpr int kSamples = 512;
+constexpr double kTwoPi = 6.283185307179586;
+
+// 1 + 2 Lambda of Smith's masking function for GGX.
+double smithRoot(double cosine, double alpha2) {
+  return std::sqrt(1 + alpha2 * (1 - cosine * cosine) / (cosine * cosine));
+}
+
+}  // namespace
+
+rules::LobeTerms integrateLobe(double n_v, double alpha, int samples) {
+  // The view direction lies in the xz plane; the lobe is symmetric about it, so only y >= 0 is
+  // sampled. n_v = 1 is approached, not reached: tangent has a limit there but no value.
+  const double vz = std::min(n_v, 0.999999);
+  const double vx = std::sqrt(1 - vz * vz);
+  const double stretch = 1 / std::hypot(alpha * vx, vz);
+  const double hx = alpha * vx * stretch, hz = vz * stretch;  // stretched view direction
+  const double alpha2 = alpha * alpha;
+  const double view_root = smithRoot(vz, alpha2);
+  const double shadowed = 0.5 * (1 + hz);
+
+  double a = 0, b = 0, mean_x = 0, mean_z = 0;
+  for (int i = 0; i < samples; ++i) {
+    // Pairs mirrored about the plane that v makes with y, so that at n_v = 1 the mean is exactly n.
+    const int pair = i / 2;
+    const double radius = std::sqrt((pair + 0.5) / (samples / 2));
+    const double quarter = std::fmod(pair * 0.6180339887498949 + 0.5, 1.0) * 0.25;
+    const double turn = i % 2 == 0 ? quarter : -quarter;
+    const double p1 = radius * std::cos(kTwoPi * turn);
+    const double p2 = (1 - shadowed) * std::sqrt(std::max(0.0, 1 - p1 * p1)) +
+                      shadowed * radius * std::sin(kTwoPi * turn);
+    const double p3 = std::sqrt(std::max(0.0, 1 - p1 * p1 - p2 * p2));
+    double mx = alpha * (p3 * hx - p2 * hz), my = alpha * p1;
+    double mz = std::max(0.0, p3 * hz + p2 * hx);
+    const double length = std::sqrt(mx * mx + my * my + mz * mz);
+    mx /= length;
+    mz /= length;
+    const double v_m = vx * mx + vz * mz;
+    const double lx = 2 * v_m * mx - vx, lz = 2 * v_m * mz - vz;
+    if (lz <= 0 || v_m <= 0) continue;
+    // f (n.l) / pdf = G2 / G1 for height-correlated Smith.
+    const double weight = (1 + view_root) / (view_root + smithRoot(lz, alpha2));
+    const double m = 1 - v_m;
+    const double fresnel = m * m * m * m * m;
+    a += weight * (1 - fresnel);
+    b += weight * fresnel;
+    mean_x += weight * lx;
+    mean_z += weight * lz;
+  }
+  const double total = std::max(a + b, 1e-30);
+  // n (n.v) - v points along -x with length vx.
+  return {static_cast<float>(a / samples), static_cast<float>(b / samples),
+          static_cast<float>(-mean_x / (total * vx)), static_cast<float>(mean_z / total)};
+}
+
+std::vector<vec4> makeLobeTable() {
+  std::vector<vec4> table(kSize * kSize);
+  parallelChunks(kSize, 1, [&](size_t, size_t begin, size_t end) {
+    for (size_t y = begin; y < end; ++y) {
+      const double alpha = rules::alphaFromRoughness(static_cast<float>(y) / (kSize - 1));
+      for (int x = 0; x < kSize; ++x) {
+        const double root = static_cast<double>(x) / (kSize - 1);
+        const rules::LobeTerms t = integrateLobe(std::max(root * root, 1e-4), alpha, kSamples);
+        table[y * kSize + x] = vec4(t.a, t.b, t.tangent, t.normal);
+      }
+    }
+  });
+  return table;
+}
+
+rules::LobeTerms sampleLobeTable(const std::vector<vec4>& table, float n_v, float roughness) {
+  const vec2 texel = rules::lobeTableUv(n_v, roughness) * static_cast<float>(kSize) - vec2(0.5f);
+  const int x = std::clamp(static_cast<int>(texel.x), 0, kSize - 2);
+  const int y = std::clamp(static_cast<int>(texel.y), 0, kSize - 2);
+  const float fx = texel.x - x, fy = texel.y - y;
+  const vec4* row = &table[y * kSize + x];
+  const vec4 v = (row[0] * (1 - fx) + row[1] * fx) * (1 - fy) +
+                 (row[kSize] * (1 - fx) + row[kSize + 1] * fx) * fy;
+  return {v.x, v.y, v.z, v.w};
+}
+
+}  // namespace scree

@@ -1,0 +1,86 @@
+// Sorts mesh instances into batches that one draw call can draw, and culls them against the view.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/frame/frame.h"
+#include "modules/deferred/deferred.h"
+#include "shaders/shared/mesh_instance.h"
+
+namespace scree {
+
+// Instances of one mesh with one material override and one handedness, side by side in the records.
+struct MeshBatch {
+  uint32_t mesh = 0;
+  uint32_t material = 0;  // MeshInstance::kOwnMaterials: each part's own
+  bool mirrored = false;
+  uint32_t first = 0;
+  uint32_t count = 0;
+  float nearest_m = 0;  // distance from the camera to the nearest bounding sphere's surface
+  uint32_t slot = 0;    // internal: 2 * group + mirrored
+};
+
+// Bounding sphere of a placed mesh.
+struct PlacedSphere {
+  dvec3 center{0};  // world, m
+  float radius = 0;
+};
+PlacedSphere boundingSphere(const Transform& placed, const LocalBounds& bounds);
+// True if the transform turns the mesh inside out.
+bool mirrors(const Transform& placed);
+
+class MeshBatches {
+ public:
+  explicit MeshBatches(World& world);
+
+  // True if the world has a mesh instance.
+  bool any() const { return !query_.empty(); }
+  // Culls and counts; appends the casters' spheres to `casters` if there is a sun. Rows are grouped
+  // anew only when MeshInstance values or the set of rows changed.
+  void update(World& world, const FrameInput& input, const View& view, bool sun,
+              ShadowCasters& casters);
+
+  // Batches with something in view, nearest first, and how many records they take.
+  std::span<const MeshBatch> opaque() const { return opaque_; }
+  size_t opaqueCount() const { return opaque_count_; }
+  void writeOpaque(std::span<rules::MeshInstanceRecord> records) const;
+  // Batches that cast shadows, in view or not.
+  std::span<const MeshBatch> casting() const { return casting_; }
+  size_t castingCount() const { return casting_count_; }
+  void writeCasting(std::span<rules::MeshCasterRecord> records) const;
+
+ private:
+  struct Key {
+    uint32_t mesh, material;
+    auto operator<=>(const Key&) const = default;
+  };
+  // What is drawn or casts this frame, in the order of rows.
+  struct Placed {
+    Transform now;
+    Transform before;  // one frame ago
+    uint32_t id;
+    uint32_t slot;  // 2 * group + mirrored
+    bool visible, casts;
+  };
+  void group(World& world);
+  void place(World& world, const FrameInput& input, const View& view, bool sun,
+             ShadowCasters& casters);
+  void layOut(std::vector<MeshBatch>& batches, size_t& total, bool casting);
+  void setCursors(std::span<const MeshBatch> batches) const;
+
+  Query<const Transform, const MeshInstance> query_;
+  Version grouped_ = 0;
+  size_t known_meshes_ = 0, known_materials_ = 0;
+  std::vector<Key> groups_;
+  std::vector<uint32_t> group_of_row_;  // all tables one after the other; kNoGroup: not drawable
+  std::vector<Placed> placed_;
+  std::vector<MeshBatch> slots_;  // two a group; nearest_m is of the frame, the rest scratch
+  std::vector<MeshBatch> opaque_, casting_;
+  size_t opaque_count_ = 0, casting_count_ = 0;
+  dvec3 camera_{0}, previous_camera_{0};
+  mutable std::vector<uint32_t> cursor_;  // scratch of the writers
+};
+
+}  // namespace scree

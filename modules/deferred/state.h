@@ -1,0 +1,46 @@
+// What the module keeps between frames, and the parts that deferred.cpp registers.
+#pragma once
+
+#include <memory>
+
+#include "engine/ecs/schedule.h"
+#include "engine/ecs/world.h"
+#include "engine/gpu/program.h"
+#include "engine/gpu/stream.h"
+#include "modules/deferred/deferred.h"
+#include "modules/deferred/material_block.h"
+#include "modules/deferred/mesh_batches.h"
+
+namespace scree {
+
+// Owned by the systems and passes that addDeferred registers, so that its GL objects die with them.
+struct DeferredState {
+  explicit DeferredState(World& world_in);
+
+  World& world;
+  Query<const Light, const Transform> lights;
+  MeshBatches batches;
+  MaterialBlock materials;
+  gpu::StreamBuffer blocks{"deferred.blocks", 4096};       // uniform blocks of the frame
+  gpu::StreamBuffer instances{"deferred.instances", 256 * 1024};
+  gpu::StreamSlice opaque_records;
+  gpu::StreamSlice caster_records;
+  rules::LightingBlock lighting{};
+  Entity warned_lights = Entity::kNone;  // the light that was last complained about
+};
+using SharedState = std::shared_ptr<DeferredState>;
+
+// One system or pass each, in the file of that name.
+SystemDesc lightSystem(const SharedState& state);   // light_block.cpp
+SystemDesc gatherSystem(const SharedState& state);  // gather.cpp
+PassDesc opaquePass(const SharedState& state);
+PassDesc shadowPass(const SharedState& state);
+PassDesc lightPass(const SharedState& state);
+PassDesc skyPass(const SharedState& state);
+PassDesc accumulatePass(const SharedState& state);
+PassDesc presentPass(const SharedState& state);
+
+// A program over shaders/lib/full_screen.vert.
+gpu::Program fullScreenProgram(std::string name, std::vector<std::string> defines = {});
+
+}  // namespace scree

@@ -1,0 +1,59 @@
+// What the solver knows of each grain, one cache line each, and of the grains' order.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/core/math.h"
+#include "engine/ecs/entity.h"
+#include "modules/grains/grains.h"
+
+namespace scree::grains {
+
+struct alignas(64) Body {
+  vec3 position{0};  // m, relative to the field's origin
+  float radius = 0;
+  vec3 velocity{0};
+  float inverse_mass = 1;  // 1/kg, as the solver uses it: see GrainSolver::shareHeavyLoads
+  vec3 spin{0};
+  float spin_factor = 1;  // radius / moment of inertia of a solid sphere = 2.5 / (mass radius)
+  vec3 velocity_before{0};  // at the substep's begin
+  float gravity_scale = 1;  // true mass / mass that the solver uses
+};
+static_assert(sizeof(Body) == 64);
+
+// Position at the last neighbour search, and how far the grain may stray from it (plus the drift).
+struct Reference {
+  vec3 position{0};
+  float margin = 0;
+};
+
+struct Bodies {
+  std::vector<Body> body;  // grains by slot, then idle bodies that fill up batches
+  std::vector<Entity> entity;
+  std::vector<GrainMaterial> material;
+  std::vector<Reference> reference;
+  uint32_t count = 0;  // grains
+};
+
+// Makes `values` hold n copies of `value`. Grows with room to spare, so that lists whose length
+// wavers a little do not allocate again and again.
+template <class T>
+void refill(std::vector<T>& values, size_t n, T value) {
+  if (values.capacity() < n) {
+    values.clear();
+    values.reserve(n + n / 2);
+  }
+  values.assign(n, value);
+}
+// The same, contents undefined.
+template <class T>
+void remake(std::vector<T>& values, size_t n) {
+  if (values.capacity() < n) {
+    values.clear();
+    values.reserve(n + n / 2);
+  }
+  values.resize(n);
+}
+
+}  // namespace scree::grains

@@ -1,0 +1,74 @@
+// Shapes that grains collide with, as the solver sees them: poses of one tick, relative to the
+// field's origin, and the distance query that every shape answers.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/core/math.h"
+
+namespace scree::grains {
+
+enum class Shape : uint32_t { Plane, Box, Capsule };
+
+// One collider over one tick: it moves from pose 0 (tick's begin) to pose 1 (tick's end).
+struct Collider {
+  uint32_t key = 0;  // identifies it from tick to tick; unique
+  Shape shape = Shape::Plane;
+  vec3 position0{0}, position1{0};  // m, relative to the field's origin
+  quat rotation0{1, 0, 0, 0}, rotation1{1, 0, 0, 0};
+  vec3 half_extent{0};  // box, m
+  vec3 a{0}, b{0};      // capsule, local, m
+  float radius = 0;     // capsule, m
+  float friction = 0.5f;
+  float rolling_friction = 0;
+  float restitution = 0;
+  vec3 surface_velocity{0};  // local, m/s
+  bool sensed = false;       // collect load: impulse and contacts
+  // Out, of the tick: impulse of the grains on the collider, N s, and contacts that press at its
+  // end.
+  glm::dvec3 load{0};
+  uint32_t load_contacts = 0;
+
+  bool moves() const { return position0 != position1 || rotation0 != rotation1; }
+};
+
+// A collider at one moment, with its motion over the substep that begins then.
+struct PosedCollider {
+  Shape shape = Shape::Plane;
+  vec3 position{0};
+  mat3 world_from_local{1};
+  vec3 half_extent{0};
+  vec3 a{0}, b{0};  // world axes, relative to the field's origin
+  float radius = 0;
+  vec3 velocity{0};          // of `position`, m/s
+  vec3 spin{0};              // rad/s
+  vec3 surface_velocity{0};  // world axes
+};
+
+// Pose at `t0` and motion from t0 to t1, fractions of the tick that are `h` seconds apart.
+PosedCollider poseCollider(const Collider& collider, float t0, float t1, float h);
+
+// Signed distance from p to the surface, negative inside, and the outward unit normal there.
+// Always finite; at the centre of symmetry the normal is one of the nearest.
+struct SurfacePoint {
+  vec3 normal;
+  float distance;
+};
+SurfacePoint nearestSurface(const PosedCollider& collider, vec3 p);
+
+// The plane with outward unit normal n that touches the collider: n . x = offset.
+float supportOffset(const PosedCollider& collider, vec3 n);
+
+// Velocity of the collider's material at the world point p, without its surface velocity.
+vec3 velocityAt(const PosedCollider& collider, vec3 p);
+
+// Axis-aligned bounds of the whole motion of the tick; infinite for a plane.
+struct Bounds {
+  vec3 min, max;
+};
+Bounds sweptBounds(const Collider& collider);
+
+// The farthest that any point of the collider moves over the tick, m (an upper bound).
+float motionBound(const Collider& collider);
+
+}  // namespace scree::grains

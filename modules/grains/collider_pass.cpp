@@ -1,0 +1,216 @@
+// Contacts of grains with colliders: lists, and the passes over them.
+#include <algorithm>
+#include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "engine/core/parallel.h"
+#include "modules/grains/contacts.h"
+
+namespace scree::grains {
+
+void ColliderLists::build(const Grid& grid, const Bodies& bodies,
+                          std::span<const Collider> colliders, float extra,
+                          const ColliderLists& old, const PairLists& old_pairs,
+                          std::span<const uint32_t> order, std::span<const uint32_t> history) {
+  slab_count = grid.slabCount();
+  if (slab.size() < slab_count) slab.resize(slab_count);
+  bounds.resize(colliders.size());
+  motion.resize(colliders.size());
+  begin.resize(colliders.size());
+  for (size_t k = 0; k < colliders.size(); ++k) {
+    bounds[k] = sweptBounds(colliders[k]);
+    motion[k] = motionBound(colliders[k]);
+    begin[k] = poseCollider(colliders[k], 0, 0, 0);
+  }
+  parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
+    fill(uint32_t(s), grid, bodies, colliders, extra, old, old_pairs, order, history);
+  });
+}
+
+void ColliderLists::fill(uint32_t s, const Grid& grid, const Bodies& bodies,
+                         std::span<const Collider> colliders, float extra,
+                         const ColliderLists& old, const PairLists& old_pairs,
+                         std::span<const uint32_t> order, std::span<const uint32_t> history) {
+  ColliderSlab& own = slab[s];
+  own.contact.clear();
+  own.bounces.clear();
+  own.low = vec3(3e38f);
+  own.high = vec3(-3e38f);
+  for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i) {
+    const float reach = bodies.body[i].radius + bodies.reference[i].margin + extra;
+    own.low = glm::min(own.low, bodies.body[i].position - reach);
+    own.high = glm::max(own.high, bodies.body[i].position + reach);
+  }
+  const auto apart = [](vec3 low_a, vec3 high_a, vec3 low_b, vec3 high_b) {
+    return high_a.x < low_b.x || high_b.x < low_a.x || high_a.y < low_b.y || high_b.y < low_a.y ||
+           high_a.z < low_b.z || high_b.z < low_a.z;
+  };
+  for (uint32_t k = 0; k < colliders.size(); ++k) {
+    if (apart(own.low, own.high, bounds[k].min, bounds[k].max)) continue;
+    for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i) {
+      const Body& grain = bodies.body[i];
+      const float reach = grain.radius + bodies.reference[i].margin + extra;
+      if (apart(grain.position - reach, grain.position + reach, bounds[k].min, bounds[k].max))
+        continue;
+      if (!(nearestSurface(begin[k], grain.position).distance < reach + motion[k])) continue;
+      ColliderContact contact;
+      contact.grain = i;
+      contact.collider = k;
+      contact.key = colliders[k].key;
+      contact.friction = std::sqrt(bodies.material[i].friction * colliders[k].friction);
+      contact.rolling_friction =
+          std::max(bodies.material[i].rolling_friction, colliders[k].rolling_friction);
+      contact.restitution = std::max(bodies.material[i].restitution, colliders[k].restitution);
+      own.contact.push_back(contact);
+    }
+  }
+  std::sort(own.contact.begin(), own.contact.end(),
+            [](const ColliderContact& a, const ColliderContact& b) {
+              return a.grain != b.grain ? a.grain < b.grain : a.key < b.key;
+            });
+  if (old.slab_count == 0) return;
+  for (ColliderContact& contact : own.contact) {
+    const uint32_t was = history[order[contact.grain]];
+    if (was == kNoSlot) continue;
+    const std::vector<ColliderContact>& from = old.slab[old_pairs.slab_of[was]].contact;
+    auto it = std::lower_bound(
+        from.begin(), from.end(), was,
+        [](const ColliderContact& a, uint32_t grain) { return a.grain < grain; });
+    for (; it != from.end() && it->grain == was; ++it) {
+      if (it->key != contact.key) continue;
+      contact.impulse = it->impulse;
+      contact.moment = it->moment;
+      contact.rolling = it->rolling;
+      contact.trust = it->trust;
+      contact.normal = it->normal;
+      break;
+    }
+  }
+}
+
+void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCollider> posed) {
+  for (ColliderContact& contact : slab.contact) {
+    const PosedCollider& collider = posed[contact.collider];
+    const vec3 p = body[contact.grain].position;
+    SurfacePoint near = nearestSurface(collider, p);
+    // A centre inside the shape goes back out on the side where it came in, not on the nearest one.
+    if (near.distance < 0 && contact.normal != vec3(0))
+      near = {contact.normal, glm::dot(contact.normal, p) - supportOffset(collider, contact.normal)};
+    const vec3 on_surface = p - near.normal * near.distance;
+    contact.normal = near.normal;
+    contact.offset = glm::dot(near.normal, on_surface);
+    contact.surface_velocity = velocityAt(collider, on_surface) + collider.surface_velocity;
+    contact.surface_spin = collider.spin;
+  }
+}
+
+void applyKeptColliders(ColliderSlab& slab, Body* body) {
+  slab.bounces.clear();
+  slab.deepest = 0;
+  for (ColliderContact& contact : slab.contact) {
+    const bool kept = contact.impulse != vec3(0);
+    contact.approach = 0;
+    contact.impulse *= contact.trust;
+    contact.moment *= contact.trust;
+    contact.rolling *= contact.trust;
+    contact.trust = kept ? 1.0f : 0.0f;
+    Body& grain = body[contact.grain];
+    grain.velocity += grain.inverse_mass * contact.impulse;
+    grain.spin += grain.spin_factor * (contact.rolling / grain.radius - contact.moment);
+  }
+}
+
+namespace {
+
+// A bounce inside the substep, as it would be on a parabola: the speed afterwards, and how far the
+// grain must be moved so that it ends where that parabola ends. `approach` is the normal velocity
+// with the whole substep's gravity in it.
+struct ImpactTime {
+  float speed, shift;
+};
+ImpactTime bounceOff(float gap, float approach, float gravity_step, float restitution, float h) {
+  const float before = approach - gravity_step;  // at the substep's begin; towards the surface
+  const float g = gravity_step / h;
+  const float root = std::sqrt(std::max(0.0f, before * before - 2 * g * gap));
+  const float t = gap > 0 ? std::clamp(2 * gap / std::max(root - before, 1e-30f), 0.0f, h) : 0.0f;
+  const float impact = before + g * t;
+  const float rest = h - t;
+  const float speed = -restitution * impact + g * rest;
+  const float shift = -std::max(gap, 0.0f) - restitution * impact * rest + 0.5f * g * rest * rest -
+                      h * speed;
+  return {speed, shift};
+}
+
+}  // namespace
+
+void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollider> posed,
+                    const PassSettings& settings) {
+  for (ColliderContact& contact : slab.contact) {
+    Body& grain = body[contact.grain];
+    const vec3 normal = contact.normal;
+    const float gap = glm::dot(normal, grain.position) - contact.offset - grain.radius;
+    const vec3 u = grain.velocity - contact.surface_velocity;
+    const float un = glm::dot(u, normal), old_n = glm::dot(contact.impulse, normal);
+    const float mass = 1 / grain.inverse_mass;
+    const float asked =
+        contact.approach > 0 ? contact.approach : -std::max(gap, 0.0f) * settings.inverse_h;
+    if (settings.tolerated > 0 && un - asked > -settings.tolerated) continue;
+    float next_n = std::max(0.0f, old_n - mass * (un - asked));
+    const bool kept = contact.impulse != vec3(0);
+    if (!(next_n > 0) && !kept && !(gap < 0)) continue;
+    const float leap = 2 * grain.radius * settings.inverse_h;
+    if (!kept && gap > 0 && glm::dot(u, u) < leap * leap) {
+      // Not touched yet, and too slow to get through anything: would it miss the true surface (an
+      // edge, the seam between two boxes), though not the plane that stands for it?
+      const float planar = gap + un * settings.h;
+      const float left = nearestSurface(posed[contact.collider],
+                                        grain.position + u * settings.h).distance - grain.radius;
+      if (left > -0.02f * grain.radius && left - planar > -0.5f * planar) continue;
+    }
+    if (settings.first_pass && !kept && contact.restitution > 0 && un < -settings.bounce_speed) {
+      const ImpactTime impact =
+          bounceOff(gap, un, glm::dot(settings.gravity_step, normal) * grain.gravity_scale,
+                    contact.restitution, settings.h);
+      if (impact.speed > 0) {
+        contact.approach = impact.speed;
+        next_n = std::max(0.0f, old_n - mass * (un - contact.approach));
+        slab.bounces.push_back({contact.grain, kNoSlot, normal * impact.shift});
+      }
+    }
+    const vec3 ut = u - un * normal - grain.radius * glm::cross(grain.spin, normal);
+    const vec3 wish = contact.impulse - old_n * normal - (mass * (2.0f / 7)) * ut;
+    const float size = std::sqrt(std::max(glm::dot(wish, wish), 1e-37f));
+    const vec3 next =
+        next_n * normal + std::min(1.0f, contact.friction * next_n / size) * wish;
+    grain.velocity += grain.inverse_mass * (next - contact.impulse);
+    contact.impulse = next;
+    const vec3 moment = glm::cross(normal, next);
+    grain.spin -= grain.spin_factor * (moment - contact.moment);
+    contact.moment = moment;
+    if (contact.rolling_friction > 0) {
+      const float inverse_inertia = grain.spin_factor / grain.radius;
+      const vec3 wish_r =
+          contact.rolling - (grain.spin - contact.surface_spin) / inverse_inertia;
+      const float size_r = std::sqrt(std::max(glm::dot(wish_r, wish_r), 1e-37f));
+      const float limit_r = contact.rolling_friction * grain.radius * next_n;
+      const vec3 next_r = std::min(1.0f, limit_r / size_r) * wish_r;
+      grain.spin += inverse_inertia * (next_r - contact.rolling);
+      contact.rolling = next_r;
+    }
+    const float overlap = -gap - kSlop * grain.radius;
+    slab.deepest = std::max(slab.deepest, -gap);
+    if (overlap > 0) grain.position += normal * (2 * kProjection * overlap);
+  }
+}
+
+size_t ColliderLists::memoryBytes() const {
+  size_t bytes = bounds.capacity() * sizeof(Bounds) + motion.capacity() * sizeof(float) +
+                 begin.capacity() * sizeof(PosedCollider);
+  for (const ColliderSlab& s : slab)
+    bytes += s.contact.capacity() * sizeof(ColliderContact) + s.bounces.capacity() * sizeof(Bounce);
+  return bytes;
+}
+
+}  // namespace scree::grains

@@ -1,0 +1,124 @@
+// The world's collider components as the solver wants them, with their motion over the tick.
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/log.h"
+#include "modules/grains/state.h"
+
+namespace scree::grains {
+namespace {
+
+bool finite(vec3 v) { return std::isfinite(v.x + v.y + v.z); }
+
+// Each entity may carry one collider of each shape.
+uint32_t keyOf(Entity entity, Shape shape) { return entity.index * 4 + static_cast<uint32_t>(shape); }
+
+bool placeable(const Transform& transform) {
+  const glm::dvec3& p = transform.position;
+  const float q = glm::dot(transform.rotation, transform.rotation);
+  return std::isfinite(p.x + p.y + p.z) && q > 0.25f && q < 4 && finite(transform.scale);
+}
+
+template <class Component>
+Collider place(const GrainsState& state, Entity entity, Shape shape, const Transform& transform,
+               const Component& component, const dvec3& origin, float dt) {
+  Collider collider;
+  collider.key = keyOf(entity, shape);
+  collider.shape = shape;
+  collider.position0 = collider.position1 = vec3(transform.position - origin);
+  collider.rotation0 = collider.rotation1 = glm::normalize(transform.rotation);
+  if (const ColliderPose* pose = state.world.peek<ColliderPose>(entity)) {
+    const double moved = glm::length(transform.position - pose->position);
+    if (moved <= kColliderTeleport * dt) {
+      collider.position0 = vec3(pose->position - origin);
+      collider.rotation0 = transform.rotation == pose->rotation ? collider.rotation1
+                                                                : glm::normalize(pose->rotation);
+    }
+  }
+  collider.friction = component.friction;
+  collider.rolling_friction = component.rolling_friction;
+  collider.restitution = component.restitution;
+  collider.surface_velocity = component.surface_velocity;
+  collider.sensed = state.world.has<LoadSensor>(entity);
+  return collider;
+}
+
+// What every collider must satisfy; a size of its shape as `size`, which must be finite and >= 0.
+bool usable(const Collider& collider, vec3 size) {
+  return collider.friction >= 0 && std::isfinite(collider.friction) &&
+         collider.rolling_friction >= 0 && std::isfinite(collider.rolling_friction) &&
+         collider.restitution >= 0 && collider.restitution <= 1 &&
+         finite(collider.surface_velocity) && finite(size) && size.x >= 0 && size.y >= 0 &&
+         size.z >= 0 && size.x < 1e9f && size.y < 1e9f && size.z < 1e9f;
+}
+
+}  // namespace
+
+void gatherColliders(GrainsState& state, const dvec3& origin, float dt) {
+  state.colliders.clear();
+  state.collider_entities.clear();
+  const auto refuse = [&](Entity entity, const char* shape) {
+    std::vector<Entity>& known = state.refused_colliders;
+    if (std::find(known.begin(), known.end(), entity) != known.end()) return;
+    known.push_back(entity);
+    logWarning("grains.step: {} of entity {} refused: its sizes, frictions and pose must be finite "
+               "and not negative, its restitution 0 to 1",
+               shape, entity.index);
+  };
+  const auto add = [&](Entity entity, const Transform& transform, const Collider& collider,
+                       vec3 size, const char* shape) {
+    if (!placeable(transform) || !usable(collider, size)) {
+      refuse(entity, shape);
+      return;
+    }
+    state.colliders.push_back(collider);
+  };
+  state.planes.each([&](Entity entity, const Transform& transform, const PlaneCollider& plane) {
+    add(entity, transform, place(state, entity, Shape::Plane, transform, plane, origin, dt),
+        vec3(0), "PlaneCollider");
+  });
+  state.boxes.each([&](Entity entity, const Transform& transform, const BoxCollider& box) {
+    Collider collider = place(state, entity, Shape::Box, transform, box, origin, dt);
+    collider.half_extent = box.half_extent * glm::abs(transform.scale);
+    add(entity, transform, collider, collider.half_extent, "BoxCollider");
+  });
+  state.capsules.each([&](Entity entity, const Transform& transform, const CapsuleCollider& capsule) {
+    Collider collider = place(state, entity, Shape::Capsule, transform, capsule, origin, dt);
+    collider.a = capsule.a * transform.scale;
+    collider.b = capsule.b * transform.scale;
+    const vec3 scale = glm::abs(transform.scale);
+    collider.radius = capsule.radius * std::max({scale.x, scale.y, scale.z});
+    add(entity, transform, collider, vec3(glm::length(collider.a), glm::length(collider.b),
+                                          collider.radius),
+        "CapsuleCollider");
+  });
+  // By key: the order of tables and rows must not show in the results.
+  std::sort(state.colliders.begin(), state.colliders.end(),
+            [](const Collider& a, const Collider& b) { return a.key < b.key; });
+}
+
+void keepColliderPoses(GrainsState& state) {
+  World& world = state.world;
+  std::vector<Entity>& entities = state.collider_entities;
+  entities.clear();
+  const auto collect = [&](Entity entity, const Transform&, const auto&) {
+    entities.push_back(entity);
+  };
+  state.planes.each(collect);
+  state.boxes.each(collect);
+  state.capsules.each(collect);
+  for (const Entity entity : entities) {
+    const Transform& transform = *world.peek<Transform>(entity);
+    const ColliderPose now{transform.position, transform.rotation};
+    const ColliderPose* kept = world.peek<ColliderPose>(entity);
+    if (kept == nullptr) {
+      world.add(entity, now);
+    } else if (kept->position != now.position || kept->rotation != now.rotation) {
+      *world.find<ColliderPose>(entity) = now;
+    }
+  }
+}
+
+}  // namespace scree::grains

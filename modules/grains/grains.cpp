@@ -1,0 +1,41 @@
+// Registration: the systems and passes of the module, in the order of the tick and the frame.
+#include "modules/grains/grains.h"
+
+#include "engine/app/app.h"
+#include "engine/gpu/gl.h"
+#include "modules/grains/state.h"
+
+namespace scree {
+namespace grains {
+
+GrainsState::GrainsState(World& world_in)
+    : world(world_in),
+      blocks(world_in.query<const GrainBlock>()),
+      grains(world_in.query<Grain, GrainVelocity, GrainSpin, GrainOrientation, GrainPrevious,
+                            const GrainMaterial>()),
+      planes(world_in.query<const Transform, const PlaneCollider>()),
+      boxes(world_in.query<const Transform, const BoxCollider>()),
+      capsules(world_in.query<const Transform, const CapsuleCollider>()),
+      regions(world_in.query<const Transform, RegionSensor>()),
+      loads(world_in.query<LoadSensor>()) {
+  draw.drawn = world_in.query<const Grain, const GrainPrevious, const GrainOrientation,
+                              const GrainSpin, const GrainLook>();
+}
+
+}  // namespace grains
+
+void addGrains(App& app) {
+  const auto state = std::make_shared<grains::GrainsState>(app.world());
+  app.world().singleton<GrainStats>();
+  app.addTarget(grains::kVisibleTarget, {.format = GL_R32UI});
+
+  app.addSystem(grains::spawnSystem(state));
+  app.addSystem(grains::stepSystem(state));
+  app.addSystem(grains::uploadSystem(state));
+
+  app.addPass(grains::visiblePass(state));
+  app.addPass(grains::drawPass(state));
+  app.addPass(grains::shadowPass(state));
+}
+
+}  // namespace scree

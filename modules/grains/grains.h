@@ -1,0 +1,221 @@
+// Grains: spheres with mass, spin and friction that fall, roll, pile up and are pushed by colliders.
+// Solver: projected Gauss-Seidel on velocities with contact impulses kept from substep to substep
+// (Catto, "Iterative Dynamics with Temporal Coherence", 2005), small steps (Macklin et al., "Small
+// Steps in Physics Simulation", 2019), and a separate position projection.
+// In: grains, colliders with a Transform, blocks of grains. Out: moved grains, sensor readings.
+// Cost: see README.md; with no grain in the world nothing runs and nothing is allocated.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "engine/core/math.h"
+#include "engine/core/result.h"
+#include "engine/ecs/world.h"
+
+namespace scree {
+
+class App;
+
+// ---- One grain: these components, always together (see spawnGrains).
+
+// A sphere. `position` is relative to GrainField::origin, so that a heap 1e6 m from the world's
+// origin keeps the precision of one at it.
+struct Grain {
+  vec3 position{0};
+  float radius = 0.05f;
+};
+SCREE_COMPONENT(Grain, (position, "m"), (radius, "m"));
+
+struct GrainVelocity {
+  vec3 linear{0};
+};
+SCREE_COMPONENT(GrainVelocity, (linear, "m/s"));
+
+// Angular velocity, world axes.
+struct GrainSpin {
+  vec3 angular{0};
+};
+SCREE_COMPONENT(GrainSpin, (angular, "rad/s"));
+
+// world_from_local rotation.
+struct GrainOrientation {
+  quat rotation{1, 0, 0, 0};
+};
+SCREE_COMPONENT(GrainOrientation, (rotation, ""));
+
+// Position one tick ago, relative to the field's origin: interpolation and motion vectors.
+struct GrainPrevious {
+  vec3 position{0};
+};
+SCREE_COMPONENT(GrainPrevious, (position, "m"));
+
+// Two touching bodies use the geometric mean of their frictions and the larger of their
+// restitutions and rolling frictions.
+struct GrainMaterial {
+  float density = 1500;        // more than 0
+  float friction = 0.5f;       // Coulomb coefficient, at least 0
+  float rolling_friction = 0;  // rolling torque / (normal force x radius), at least 0
+  float restitution = 0;       // 0 to 1
+};
+SCREE_COMPONENT(GrainMaterial, (density, "kg/m^3"), (friction, ""), (rolling_friction, ""),
+                (restitution, ""));
+
+struct GrainLook {
+  vec3 color{0.76f, 0.6f, 0.38f};  // linear albedo
+  float roughness = 0.8f;
+};
+SCREE_COMPONENT(GrainLook, (color, ""), (roughness, ""));
+
+// ---- The field: one entity of a world carries it; made with these defaults if there is none.
+
+struct GrainField {
+  // World position of the grains' coordinate origin. Left at `placed` = false, it becomes the
+  // whole metre nearest to the first block of grains.
+  dvec3 origin{0};
+  bool placed = false;
+  vec3 gravity{0, -9.81f, 0};
+  int32_t substeps = 4;       // a tick, 1 to 64
+  int32_t passes = 3;         // solver passes a substep, 1 to 64
+  float damping = 0.05f;      // fraction of velocity and spin lost a second
+  // A grain whose centre leaves this box, relative to the origin, is lost: destroyed and counted.
+  vec3 bounds_min{-500, -50, -500};
+  vec3 bounds_max{500, 500, 500};
+  // Counted since the field was made.
+  uint64_t lost = 0;     // grains that left the bounds
+  uint64_t refused = 0;  // grains or blocks with a radius, density or other number not allowed
+};
+SCREE_COMPONENT(GrainField, (origin, "m"), (placed, ""), (gravity, "m/s^2"), (substeps, ""),
+                (passes, ""), (damping, "1/s"), (bounds_min, "m"), (bounds_max, "m"), (lost, ""),
+                (refused, ""));
+
+// A box-shaped lattice of grains, spawned at the entity's Transform in the first tick that sees
+// it; the component is then removed. Grains keep inside their lattice cell: they never overlap.
+struct GrainBlock {
+  std::array<int32_t, 3> count{10, 10, 10};  // along local x, y, z; product at most kMaxGrains
+  float radius = 0.05f;
+  float radius_jitter = 0;       // radius varies by up to this fraction, 0 to 0.9
+  float spacing = 0;             // between lattice points; 0: 2.02 times the largest radius
+  uint32_t seed = 1;
+  float density = 1500;
+  float friction = 0.5f;
+  float rolling_friction = 0;
+  float restitution = 0;
+  vec3 color{0.76f, 0.6f, 0.38f};  // linear albedo
+  float color_jitter = 0.15f;      // brightness varies by up to this fraction, 0 to 1
+  float roughness = 0.8f;
+};
+SCREE_COMPONENT(GrainBlock, (count, ""), (radius, "m"), (radius_jitter, ""), (spacing, "m"),
+                (seed, ""), (density, "kg/m^3"), (friction, ""), (rolling_friction, ""),
+                (restitution, ""), (color, ""), (color_jitter, ""), (roughness, ""));
+
+// The most grains of a world; a block that would exceed it is refused.
+inline constexpr uint32_t kMaxGrains = 4'000'000;
+
+// ---- Colliders: on an entity with a Transform. They are kinematic: their velocity, linear and
+// angular, is the change of the Transform since the last tick (a jump faster than
+// kColliderTeleport counts as a teleport, without velocity). The Transform's scale multiplies
+// half_extent, a and b; the radius is multiplied by the scale's largest component.
+
+// m/s; above it a collider's move between two ticks is a teleport.
+inline constexpr float kColliderTeleport = 100;
+
+// The half space below the local xz plane.
+struct PlaneCollider {
+  float friction = 0.5f;
+  float rolling_friction = 0;
+  float restitution = 0;
+  vec3 surface_velocity{0};  // local axes: a conveyor belt
+};
+SCREE_COMPONENT(PlaneCollider, (friction, ""), (rolling_friction, ""), (restitution, ""),
+                (surface_velocity, "m/s"));
+
+struct BoxCollider {
+  vec3 half_extent{0.5f};
+  float friction = 0.5f;
+  float rolling_friction = 0;
+  float restitution = 0;
+  vec3 surface_velocity{0};
+};
+SCREE_COMPONENT(BoxCollider, (half_extent, "m"), (friction, ""), (rolling_friction, ""),
+                (restitution, ""), (surface_velocity, "m/s"));
+
+// All points within `radius` of the segment from a to b (local); a = b is a sphere.
+struct CapsuleCollider {
+  vec3 a{0};
+  vec3 b{0};
+  float radius = 0.5f;
+  float friction = 0.5f;
+  float rolling_friction = 0;
+  float restitution = 0;
+  vec3 surface_velocity{0};
+};
+SCREE_COMPONENT(CapsuleCollider, (a, "m"), (b, "m"), (radius, "m"), (friction, ""),
+                (rolling_friction, ""), (restitution, ""), (surface_velocity, "m/s"));
+
+// Pose of a collider at the last tick; added to every collider when it is first seen.
+struct ColliderPose {
+  dvec3 position{0};
+  quat rotation{1, 0, 0, 0};
+};
+SCREE_COMPONENT(ColliderPose, (position, "m"), (rotation, ""));
+
+// ---- Sensors.
+
+// On a collider's entity: what the grains did to it in the last tick. Force = impulse / tick
+// length; at rest, -impulse.y / dt / g is the mass that lies on the collider.
+struct LoadSensor {
+  vec3 impulse{0};       // of all grains on this collider, world axes
+  uint32_t contacts = 0;  // grains that press on it at the tick's end
+};
+SCREE_COMPONENT(LoadSensor, (impulse, "N s"), (contacts, ""));
+
+// On an entity with a Transform: grains whose centre is inside the oriented box at the tick's end.
+struct RegionSensor {
+  vec3 half_extent{0.5f};
+  uint32_t count = 0;
+  float mass = 0;
+};
+SCREE_COMPONENT(RegionSensor, (half_extent, "m"), (count, ""), (mass, "kg"));
+
+// World singleton, filled by grains.step: counts of the last tick, for tests, benches, overlays.
+struct GrainStats {
+  uint32_t grains = 0;
+  uint32_t pairs = 0;           // neighbour pairs in the lists
+  uint32_t contacts = 0;        // pairs and collider contacts that carry an impulse
+  uint32_t rebuilds = 0;        // neighbour searches in the tick
+  double kinetic_energy = 0;    // J, linear and angular
+  float deepest_overlap = 0;    // of two grains or a grain and a collider, m
+  uint64_t allocations = 0;     // times that the solver's memory grew, since the start
+};
+
+// ---- Functions.
+
+// Everything that one grain starts with.
+struct GrainSpec {
+  Grain grain;
+  GrainVelocity velocity;
+  GrainSpin spin;
+  GrainOrientation orientation;
+  GrainMaterial material;
+  GrainLook look;
+};
+// Spawns grains with all their components, in the order given. Bad numbers are refused in the
+// next tick (GrainField::refused). Not during iteration of a query.
+void spawnGrains(World& world, std::span<const GrainSpec> specs);
+
+// The world's field; spawned with defaults on first use.
+GrainField& grainField(World& world);
+
+// Mass of a solid sphere, kg.
+inline float grainMass(float radius, float density) {
+  return 4.18879020f * radius * radius * radius * density;
+}
+
+// Registers the systems grains.spawn, grains.step (Simulate) and grains.upload (Prepare), and the
+// passes grains.draw (Geometry, writes the G-buffer) and grains.shadow (writes the shadow map).
+// Call after addScene and addDeferred, and after the systems that move colliders.
+void addGrains(App& app);
+
+}  // namespace scree

@@ -1,0 +1,92 @@
+// Counting-sorted grid over hashed cells: which grains may touch before the next search.
+//
+// Each grain has a reach: its radius plus its margin. Two are neighbours if their distance is less
+// than the sum of their reaches. Cells come in levels, each half the size of the one above; a grain
+// lives in the smallest cells that are at least twice its reach, so that any mix of radii works.
+// Coordinates wrap around in each level (a power of two of cells along each axis): the grid covers
+// an unbounded space with a bounded table; cells that share a bucket only cost distance tests.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "modules/grains/bodies.h"
+
+namespace scree::grains {
+
+// Levels of cells; what is smaller than the smallest level's cell shares its cells: slower, right.
+inline constexpr int kMostLevels = 10;
+// Neighbours of a grain among grains of its own level that one search keeps; more can only touch it
+// when dozens overlap in one place, and are then left out until the crowd has spread.
+inline constexpr uint32_t kMostLevelNeighbours = 512;
+
+// Integer cell of a coordinate; clamped to +-2^30, which keeps neighbours neighbours.
+inline int32_t cellOf(float x, double inverse_cell) {
+  constexpr double kLimit = 1 << 30;
+  double cell = static_cast<double>(x) * inverse_cell;
+  cell = cell < -kLimit ? -kLimit : cell > kLimit ? kLimit : cell;
+  const int32_t whole = static_cast<int32_t>(cell);
+  return whole - (cell < whole);
+}
+
+class Grid {
+ public:
+  // Chooses levels and sizes for the grains (their position, radius and margin), and the order in
+  // which they are to be stored: order[new slot] = old slot. Ties go by entity index.
+  void plan(const Bodies& bodies, std::span<const float> margin, std::vector<uint32_t>& order);
+
+  // After the bodies were put in that order: copies what the search reads.
+  void read(const Bodies& bodies);
+
+  uint32_t slabCount() const { return slabs_; }
+  uint32_t slabBegin(uint32_t slab) const { return bucket_begin_[slab * buckets_a_slab_]; }
+  uint32_t slabEnd(uint32_t slab) const { return slabBegin(slab + 1); }
+  uint32_t slabAbove(uint32_t slab) const { return (slab + 1) & (slabs_ - 1); }
+  // True if grains of different sizes are found from either side: see neighbours().
+  bool mixed() const { return level_count_ > 1; }
+
+  // Appends the slots of the neighbours of `slot` that this grain is the one to find; over all
+  // grains, each neighbouring pair is found exactly once. They lie in the grain's slab or the next
+  // above it, or, if mixed(), the next below.
+  void neighbours(uint32_t slot, std::vector<uint32_t>& found) const;
+
+  size_t memoryBytes() const;
+
+ private:
+  struct Level {
+    int halvings = 0;  // below the largest cell
+    double inverse_cell = 1;
+    float cell = 1;
+    uint32_t mask_x = 3, mask_y = 3, mask_z = 3;
+    int bits_x = 2, bits_y = 2;
+    uint32_t offset = 0;  // of its buckets within a slab's
+    uint32_t members = 0;
+    std::array<uint8_t, kMostLevels> asks{};  // levels whose grains it looks for
+    int ask_count = 0;
+  };
+  struct Range {
+    uint32_t begin, end;
+  };
+
+  void chooseLevels(const Bodies& bodies, std::span<const float> margin);
+  void chooseSizes(const Bodies& bodies);
+  void chooseSides();
+  uint32_t bucketRow(const Level& level, int32_t y, int32_t z) const;
+  void rowRanges(const Level& level, int32_t x0, int32_t x1, int32_t y, int32_t z,
+                 std::vector<uint32_t>& found, uint32_t slot, uint32_t from) const;
+  void scan(uint32_t slot, uint32_t begin, uint32_t end, std::vector<uint32_t>& found) const;
+
+  std::array<Level, kMostLevels> level_;
+  int level_count_ = 0;
+  uint32_t slabs_ = 4;
+  uint32_t buckets_a_slab_ = 0;
+  std::vector<uint32_t> bucket_begin_;
+  std::vector<uint32_t> bucket_of_;  // by old slot
+  std::vector<uint8_t> level_of_;    // by old slot, then by new slot
+  std::vector<uint8_t> sorted_level_of_;
+  std::vector<float> x_, y_, z_, reach_;
+};
+
+}  // namespace scree::grains

@@ -1,0 +1,236 @@
+// One tick of the grains: the order of the solver's steps.
+#include "modules/grains/solver.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+
+namespace scree::grains {
+namespace {
+
+// Grains a task of the loops over all grains.
+constexpr size_t kChunk = 2048;
+
+}  // namespace
+
+void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> colliders,
+                       const StepParameters& parameters) {
+  refused_.clear();
+  lost_.clear();
+  for (Collider& collider : colliders) {
+    collider.load = glm::dvec3(0);
+    collider.load_contacts = 0;
+  }
+  if (!(parameters.dt > 0)) return;
+  const float dt = std::min(parameters.dt, kLongestTick);
+  const int substeps = std::clamp(parameters.substeps, 1, 64);
+  const float h = dt / static_cast<float>(substeps);
+  const vec3 gravity_step = parameters.gravity * h;
+  const float keep = std::clamp(1 - parameters.damping * h, 0.0f, 1.0f);
+
+  stats_.rebuilds = 0;
+  if (adopt(tables)) search_due_ = true;
+  readRows(tables);
+  stats_.grains = bodies_.count;
+  if (bodies_.count == 0) return;
+  if (last_h_ > 0 && h != last_h_) scaleKeptImpulses(h / last_h_);
+  last_h_ = h;
+  shareHeavyLoads();
+  walls_due_ = true;
+
+  for (int substep = 0; substep < substeps; ++substep) {
+    if (predict(gravity_step, h)) search_due_ = true;
+    if (search_due_) searchNeighbours(h);
+    if (walls_due_) listColliders(colliders, dt);
+    relax(colliders, parameters, h, substep);
+    collectLoads(colliders, substep + 1 == substeps);
+    move(gravity_step, h, keep);
+  }
+  writeRows(tables, parameters, dt);
+  measure();
+}
+
+// Adds gravity; true if some grain may leave its margin within the substep.
+bool GrainSolver::predict(vec3 gravity_step, float h) {
+  const size_t chunks = (bodies_.count + kChunk - 1) / kChunk;
+  chunk_flags_.assign(chunks, 0);
+  const vec3 drift = drift_ * drift_time_;
+  parallelChunks(bodies_.count, kChunk, [&](size_t chunk, size_t begin, size_t end) {
+    bool leaves = false;
+    for (size_t k = begin; k < end; ++k) {
+      Body& grain = bodies_.body[k];
+      grain.velocity_before = grain.velocity;
+      grain.velocity += grain.gravity_scale * gravity_step;
+      const Reference& reference = bodies_.reference[k];
+      const vec3 strayed = grain.position - reference.position - drift;
+      const vec3 relative = grain.velocity - drift_;
+      leaves = leaves || !(std::sqrt(glm::dot(strayed, strayed)) +
+                               h * std::sqrt(glm::dot(relative, relative)) <=
+                           reference.margin);
+    }
+    chunk_flags_[chunk] = leaves;
+  });
+  return std::any_of(chunk_flags_.begin(), chunk_flags_.end(), [](uint8_t f) { return f != 0; });
+}
+
+void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& parameters, float h,
+                        int substep) {
+  PassSettings settings;
+  settings.h = h;
+  settings.inverse_h = 1 / h;
+  settings.gravity_step = parameters.gravity * h;
+  // Gravity's own kick must not bounce: twice what it adds in a substep, and a slow crawl.
+  settings.bounce_speed = std::max(0.05f, 2 * glm::length(settings.gravity_step));
+  settings.rolling = pairs_.rolling;
+  settings.bouncing = pairs_.bouncing;
+
+  const float substeps = static_cast<float>(std::clamp(parameters.substeps, 1, 64));
+  posed_.resize(colliders.size());
+  for (size_t k = 0; k < colliders.size(); ++k)
+    posed_[k] = poseCollider(colliders[k], static_cast<float>(substep) / substeps,
+                             static_cast<float>(substep + 1) / substeps, h);
+
+  Body* body = bodies_.body.data();
+  const uint32_t slabs = pairs_.slab_count;
+  const auto alternate = [&](int first, const auto& visit) {
+    for (uint32_t turn = 0; turn < 2; ++turn) {
+      const size_t parity = (static_cast<uint32_t>(first) + turn) & 1;
+      parallelChunks(slabs / 2, 1, [&](size_t s, size_t, size_t) {
+        const size_t at = 2 * s + parity;
+        visit(pairs_.slab[at], walls_.slab[at]);
+      });
+    }
+  };
+  alternate(0, [&](PairSlab& pairs, ColliderSlab& walls) {
+    placeSurfaces(walls, body, posed_);
+    applyKeptPairs(pairs, body, settings);
+    applyKeptColliders(walls, body);
+  });
+  const int passes = std::clamp(parameters.passes, 1, 64);
+  for (int pass = 0; pass < passes; ++pass) {
+    settings.first_pass = pass == 0;
+    alternate(pass + 1, [&](PairSlab& pairs, ColliderSlab& walls) {
+      relaxPairs(pairs, body, bodies_.entity.data(), settings);
+      relaxColliders(walls, body, posed_, settings);
+    });
+  }
+  // Colliders have the last word: where more passes would be needed, grains overlap a little
+  // longer, but nothing is pressed through a wall.
+  settings.first_pass = false;
+  settings.tolerated = settings.bounce_speed;
+  parallelChunks(slabs, 4, [&](size_t, size_t begin, size_t end) {
+    for (size_t s = begin; s < end; ++s) relaxColliders(walls_.slab[s], body, posed_, settings);
+  });
+  bounce();
+}
+
+// Moves grains that bounced to where the impact within the substep leaves them.
+void GrainSolver::bounce() {
+  for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
+    for (const Bounce& b : pairs_.slab[s].bounces) {
+      Body &i = bodies_.body[b.i], &j = bodies_.body[b.j];
+      const float inverse = 1 / (i.inverse_mass + j.inverse_mass);
+      i.position += b.shift * (i.inverse_mass * inverse);
+      j.position -= b.shift * (j.inverse_mass * inverse);
+    }
+    for (const Bounce& b : walls_.slab[s].bounces) bodies_.body[b.i].position += b.shift;
+  }
+}
+
+// Sums the impulses on sensed colliders, in the order of the lists.
+void GrainSolver::collectLoads(std::span<Collider> colliders, bool last_substep) {
+  const bool any = std::any_of(colliders.begin(), colliders.end(),
+                               [](const Collider& c) { return c.sensed; });
+  if (!any) return;
+  for (uint32_t s = 0; s < walls_.slab_count; ++s) {
+    for (const ColliderContact& contact : walls_.slab[s].contact) {
+      Collider& collider = colliders[contact.collider];
+      if (!collider.sensed || contact.impulse == vec3(0)) continue;
+      collider.load -= glm::dvec3(contact.impulse);
+      if (last_substep) ++collider.load_contacts;
+    }
+  }
+}
+
+// Positions by the mean of the velocities before and after where the substep changed them no more
+// than gravity would (exact for parabolas, for sliding and rolling), by the velocity after where a
+// contact stopped the grain.
+void GrainSolver::move(vec3 gravity_step, float h, float keep) {
+  const float smooth = 1.01f * glm::length(gravity_step);
+  const float smooth_square = smooth * smooth;
+  drift_time_ += h;
+  parallelChunks(bodies_.count, kChunk, [&](size_t, size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      Body& grain = bodies_.body[k];
+      const vec3 change = grain.velocity - grain.velocity_before;
+      const float half = glm::dot(change, change) <= smooth_square ? 0.5f : 0.0f;
+      grain.position += h * (grain.velocity - half * change);
+      grain.velocity *= keep;
+      grain.spin *= keep;
+      // Only numbers beyond all physics get here; they must not spread.
+      if (!(glm::dot(grain.velocity, grain.velocity) <= kMostSpeed * kMostSpeed))
+        grain.velocity = vec3(0);
+      if (!(glm::dot(grain.spin, grain.spin) * grain.radius * grain.radius <=
+            kMostSpeed * kMostSpeed))
+        grain.spin = vec3(0);
+    }
+  });
+}
+
+void GrainSolver::scaleKeptImpulses(float factor) {
+  // A force lasts h: its impulse scales with h. Far longer steps start afresh.
+  const float scale = factor > 4 ? 0.0f : factor;
+  for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
+    PairSlab& slab = pairs_.slab[s];
+    for (Lane which : {Lane::ImpulseX, Lane::ImpulseY, Lane::ImpulseZ, Lane::MomentX,
+                       Lane::MomentY, Lane::MomentZ})
+      for (uint32_t c = 0; c < slab.count; ++c) slab.lane(which)[c] *= scale;
+    if (pairs_.rolling || pairs_.bouncing)
+      for (Lane which : {Lane::RollingX, Lane::RollingY, Lane::RollingZ})
+        for (uint32_t c = 0; c < slab.count; ++c) slab.lane(which)[c] *= scale;
+  }
+  for (uint32_t s = 0; s < walls_.slab_count; ++s) {
+    for (ColliderContact& contact : walls_.slab[s].contact) {
+      contact.impulse *= scale;
+      contact.moment *= scale;
+      contact.rolling *= scale;
+    }
+  }
+}
+
+// Gauss-Seidel needs about as many passes as the ratio of masses in a contact. A light grain that a
+// heavy one rests on is therefore given 1 / kMostRatio of its mass while the contact lasts; gravity
+// on it is scaled down, so that the forces stay those of the true masses. Up to that ratio nothing
+// is changed.
+void GrainSolver::shareHeavyLoads() {
+  constexpr float kMostRatio = 1000;
+  float lightest = 3e38f, heaviest = 0;
+  for (uint32_t k = 0; k < bodies_.count; ++k) {
+    lightest = std::min(lightest, bodies_.body[k].inverse_mass);
+    heaviest = std::max(heaviest, bodies_.body[k].inverse_mass);
+  }
+  if (!(heaviest > kMostRatio * lightest)) return;
+  for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
+    const PairSlab& slab = pairs_.slab[s];
+    for (uint32_t c = 0; c < slab.count; ++c) {
+      if (slab.i[c] >= bodies_.count) continue;
+      if (slab.lane(Lane::ImpulseX)[c] == 0 && slab.lane(Lane::ImpulseY)[c] == 0 &&
+          slab.lane(Lane::ImpulseZ)[c] == 0)
+        continue;
+      Body &i = bodies_.body[slab.i[c]], &j = bodies_.body[slab.j[c]];
+      Body& light = i.inverse_mass > j.inverse_mass ? i : j;
+      const Body& heavy = i.inverse_mass > j.inverse_mass ? j : i;
+      const float most = heavy.inverse_mass / heavy.gravity_scale * kMostRatio;
+      if (light.inverse_mass <= most) continue;
+      const float scale = most / light.inverse_mass;
+      light.inverse_mass *= scale;
+      light.spin_factor *= scale;
+      light.gravity_scale *= scale;
+    }
+  }
+}
+
+}  // namespace scree::grains

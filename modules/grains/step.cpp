@@ -1,0 +1,72 @@
+// grains.step: one tick of the solver over the world's grains and colliders.
+#include "engine/app/app.h"
+#include "engine/core/log.h"
+#include "modules/grains/state.h"
+
+namespace scree::grains {
+namespace {
+
+// The first of these entities, and why, as a line for the user.
+void reportRefused(World& world, const std::vector<Entity>& refused) {
+  const Entity first = refused.front();
+  const Grain& grain = *world.peek<Grain>(first);
+  const GrainMaterial& material = *world.peek<GrainMaterial>(first);
+  logWarning(
+      "grains.step: {} grains refused and removed; the first is entity {}: radius {} m (allowed {} "
+      "to {}), density {} kg/m^3 (allowed {} to {}), position, velocity and the rest must be finite",
+      refused.size(), first.index, grain.radius, kLeastRadius, kMostRadius, material.density,
+      kLeastDensity, kMostDensity);
+}
+
+void step(GrainsState& state) {
+  World& world = state.world;
+  GrainField& field = grainField(world);
+  StepParameters parameters;
+  parameters.dt = static_cast<float>(world.singleton<const Tick>().dt_s);
+  parameters.gravity = field.gravity;
+  parameters.substeps = field.substeps;
+  parameters.passes = field.passes;
+  parameters.damping = field.damping;
+  parameters.bounds_min = field.bounds_min;
+  parameters.bounds_max = field.bounds_max;
+  const dvec3 origin = field.origin;
+
+  gatherColliders(state, origin, parameters.dt);
+  state.tables.clear();
+  state.grains.spans([&](std::span<const Entity> entities, std::span<Grain> grain,
+                         std::span<GrainVelocity> velocity, std::span<GrainSpin> spin,
+                         std::span<GrainOrientation> orientation,
+                         std::span<GrainPrevious> previous,
+                         std::span<const GrainMaterial> material) {
+    state.tables.push_back({entities, grain, velocity, spin, orientation, previous, material});
+  });
+  state.solver.step(state.tables, state.colliders, parameters);
+  state.stepped = !state.tables.empty();
+  world.singleton<GrainStats>() = state.solver.stats();
+
+  const std::vector<Entity>& lost = state.solver.lost();
+  const std::vector<Entity>& refused = state.solver.refused();
+  if (!refused.empty()) reportRefused(world, refused);
+  if (!lost.empty() || !refused.empty()) {
+    world.destroyMany(lost);
+    world.destroyMany(refused);
+    GrainField& counted = grainField(world);
+    counted.lost += lost.size();
+    counted.refused += refused.size();
+  }
+  senseLoads(state);
+  senseRegions(state, origin);
+  keepColliderPoses(state);
+}
+
+}  // namespace
+
+SystemDesc stepSystem(const SharedState& state) {
+  return {.name = "grains.step",
+          .phase = Phase::Simulate,
+          // Once more after the last grain has gone, so that the sensors read zero.
+          .needs = [state] { return !state->grains.empty() || state->stepped; },
+          .run = [state](World&) { step(*state); }};
+}
+
+}  // namespace scree::grains

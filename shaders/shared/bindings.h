@@ -1,0 +1,45 @@
+// Every binding number of the project in one place, for C++ and GLSL: uniform blocks, storage
+// blocks, texture units and vertex attributes. A new user takes the next free number and adds a line.
+#pragma once
+#include "shaders/shared/prelude.h"
+
+RULES_BEGIN
+
+// Uniform blocks.
+const int kViewBinding = 0;        // shared/view.h
+const int kLightingBinding = 1;    // sun and sky of the frame
+const int kDrawBinding = 2;        // constants of one draw
+const int kPassBinding = 3;        // constants of one pass, rebound by each
+const int kShadowViewBinding = 4;  // shared/shadow.h
+
+// Storage blocks (16 a stage at most).
+const int kInstancesBinding = 0;   // mesh instances
+const int kMaterialsBinding = 1;   // material constants
+const int kGrainsBinding = 2;      // grains
+const int kVisibleBinding = 3;     // indices of what is drawn
+const int kCommandsBinding = 4;    // indirect commands
+
+// Texture units. One kind of sampler a unit, never mixed within a program.
+const int kBaseColorUnit = 0;
+const int kMetallicRoughnessUnit = 1;
+const int kNormalMapUnit = 2;
+const int kEmissiveMapUnit = 3;
+const int kGbufferAlbedoUnit = 4;
+const int kGbufferNormalUnit = 5;
+const int kGbufferEmissiveUnit = 6;
+const int kGbufferMotionUnit = 7;
+const int kGbufferIdUnit = 8;
+const int kGbufferDepthUnit = 9;
+const int kShadowMapUnit = 10;
+const int kRadianceUnit = 11;
+const int kPassTextureUnit = 12;   // whatever else one pass reads, from here up
+const int kLobeTableUnit = 12;     // shared/brdf.h, in deferred.light
+
+// Vertex attributes of meshes (engine/assets/mesh_data.h); from kFirstFreeAttribute up: a module's own.
+const int kPositionAttribute = 0;
+const int kNormalAttribute = 1;
+const int kTangentAttribute = 2;
+const int kUvAttribute = 3;
+const int kFirstFreeAttribute = 4;
+
+RULES_END
