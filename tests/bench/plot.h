@@ -1,0 +1,25 @@
+// The picture of a bench: run time against error, with the Pareto front.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "engine/core/result.h"
+#include "tests/bench/bench.h"
+
+namespace scree::bench {
+
+// Indices of the rows that no other row beats: none is at most as slow and at most as wrong and
+// better in one of both. By ascending time; of equal rows the first only.
+std::vector<size_t> paretoFront(const std::vector<Row>& rows);
+
+// SVG of one scenario's rows (not empty): logarithmic axes, time to the right, error upwards; rows
+// without error lie on a line of their own below the axis's end.
+std::string plotSvg(const std::string& title, const std::vector<Row>& rows);
+
+// DIR/<bench>_<scenario>.svg for every scenario; makes DIR. Returns the paths.
+Result<std::vector<std::filesystem::path>> writePlots(const Bench& bench,
+                                                      const std::filesystem::path& directory);
+
+}  // namespace scree::bench

@@ -1,0 +1,78 @@
+// Whole-file reading and writing.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "engine/core/file.h"
+
+namespace scree {
+namespace {
+
+namespace fs = std::filesystem;
+
+class File : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  size_t filesInFolder() const {
+    return static_cast<size_t>(
+        std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+  }
+  fs::path folder = fs::path(SCREE_BINARY_DIR) / "test_core_file";
+  fs::path path = folder / "file.txt";
+};
+
+TEST_F(File, RoundTripKeepsEveryByte) {
+  std::string content;
+  for (int i = 0; i < 1000; ++i) content += static_cast<char>(i);
+  ASSERT_TRUE(writeFile(path, content).ok());
+  EXPECT_EQ(readText(path).value(), content);
+  const std::vector<uint8_t> bytes = readBytes(path).value();
+  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), content);
+  ASSERT_TRUE(writeFile(path, "").ok());
+  EXPECT_EQ(readText(path).value(), "");
+  EXPECT_EQ(filesInFolder(), 1u) << "no temporary file is left";
+}
+
+TEST_F(File, ErrorsNameTheFileAndTheReason) {
+  EXPECT_EQ(readText(path).error(), path.string() + ": no such file");
+  EXPECT_EQ(readText(folder).error(), folder.string() + ": not a regular file");
+  ASSERT_TRUE(writeFile(path, "12345").ok());
+  EXPECT_EQ(readText(path, 4).error(), path.string() + ": 5 bytes; at most 4 are read");
+  EXPECT_TRUE(readText(path, 5).ok());
+  const Status status = writeFile(folder / "missing" / "file.txt", "x");
+  ASSERT_FALSE(status.ok());
+  EXPECT_NE(status.error().find("file.txt"), std::string::npos) << status.error();
+}
+
+TEST_F(File, AFailedWriteKeepsTheOldFile) {
+  ASSERT_TRUE(writeFile(path, "old").ok());
+  fs::path used;
+  const Status status = writeThenRename(path, [&](const fs::path& temporary) -> Status {
+    used = temporary;
+    std::ofstream(temporary) << "half";
+    return Error{"disk full"};
+  });
+  EXPECT_EQ(status.error(), "disk full");
+  EXPECT_EQ(used.extension(), path.extension()) << "libraries choose formats by it";
+  EXPECT_NE(used, path);
+  EXPECT_EQ(readText(path).value(), "old");
+  EXPECT_EQ(filesInFolder(), 1u);
+}
+
+TEST_F(File, RootsFollowTheEnvironment) {
+  setenv("SCREE_SHADERS", "/somewhere/shaders", 1);
+  setenv("SCREE_CONTENT", "/somewhere/content", 1);
+  EXPECT_EQ(shaderRoot(), "/somewhere/shaders");
+  EXPECT_EQ(contentRoot(), "/somewhere/content");
+  unsetenv("SCREE_SHADERS");
+  unsetenv("SCREE_CONTENT");
+  EXPECT_EQ(shaderRoot(), fs::path(SCREE_SOURCE_DIR) / "shaders");
+  EXPECT_EQ(contentRoot(), fs::path(SCREE_SOURCE_DIR) / "content");
+}
+
+}  // namespace
+}  // namespace scree

@@ -1,0 +1,92 @@
+// Parallel loops: every item once, chunks that do not depend on the threads.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include "engine/core/parallel.h"
+
+namespace scree {
+namespace {
+
+class Parallel : public ::testing::Test {
+ protected:
+  void TearDown() override { setThreadCount(0); }
+};
+
+TEST_F(Parallel, ChunksAreTheSameForEveryThreadCount) {
+  for (size_t count : {0, 1, 9, 10, 11, 1000, 1001})
+    for (size_t chunk_size : {1, 10, 999, 5000}) {
+      std::set<std::tuple<size_t, size_t, size_t>> expected;
+      for (size_t begin = 0, chunk = 0; begin < count; begin += chunk_size, ++chunk)
+        expected.emplace(chunk, begin, std::min(begin + chunk_size, count));
+      for (int threads : {1, 2, 4}) {
+        setThreadCount(threads);
+        std::mutex mutex;
+        std::multiset<std::tuple<size_t, size_t, size_t>> calls;
+        parallelChunks(count, chunk_size, [&](size_t chunk, size_t begin, size_t end) {
+          const std::lock_guard lock(mutex);
+          calls.emplace(chunk, begin, end);
+        });
+        ASSERT_EQ(calls.size(), expected.size()) << count << " by " << chunk_size;
+        ASSERT_TRUE(std::equal(calls.begin(), calls.end(), expected.begin()));
+      }
+    }
+}
+
+TEST_F(Parallel, OneThreadRunsInOrderOnTheCaller) {
+  setThreadCount(1);
+  std::vector<size_t> order;  // unprotected: only this thread may touch it
+  parallelChunks(100, 3, [&](size_t chunk, size_t, size_t) { order.push_back(chunk); });
+  ASSERT_EQ(order.size(), 34u);
+  for (size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], i);
+}
+
+TEST_F(Parallel, NestsAndCountsRight) {
+  for (int threads : {1, 2, 4}) {
+    setThreadCount(threads);
+    std::atomic<size_t> sum{0};
+    parallelChunks(50, 1, [&](size_t outer, size_t, size_t) {
+      parallelChunks(40, 7, [&](size_t, size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) sum += outer * 40 + i;
+      });
+    });
+    EXPECT_EQ(sum, 1999u * 2000u / 2);
+  }
+}
+
+// Else the tests with more threads than cores would test nothing.
+TEST_F(Parallel, MoreThreadsThanCoresCanMeet) {
+  setThreadCount(4);
+  std::mutex mutex;
+  std::condition_variable condition;
+  size_t inside = 0;
+  bool met = false;
+  parallelChunks(4, 1, [&](size_t, size_t, size_t) {
+    std::unique_lock lock(mutex);
+    met = ++inside == 4 || met;
+    condition.notify_all();
+    condition.wait_for(lock, std::chrono::seconds(60), [&] { return met; });
+    --inside;
+  });
+  EXPECT_TRUE(met);
+}
+
+TEST_F(Parallel, ThreadCountIsKeptInBounds) {
+  setThreadCount(3);
+  EXPECT_EQ(threadCount(), 3);
+  setThreadCount(100000);
+  EXPECT_EQ(threadCount(), 256);
+  setThreadCount(-5);
+  EXPECT_GE(threadCount(), 1);
+  setThreadCount(0);
+  EXPECT_GE(threadCount(), 1);
+}
+
+}  // namespace
+}  // namespace scree

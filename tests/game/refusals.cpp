@@ -1,0 +1,158 @@
+// Malformed inputs and bad flags: each ends in one clear line and exit status 2.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+
+#include "engine/core/file.h"
+#include "tests/game/support/program.h"
+
+namespace scree::hourglass {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kLevel = fs::path(SCREE_SOURCE_DIR) / "content/levels/level1.glb";
+const fs::path kReplay = fs::path(SCREE_SOURCE_DIR) / "tests/game/replays/level1_win.replay";
+
+std::string readAll(const fs::path& path) {
+  Result<std::string> text = readText(path);
+  EXPECT_TRUE(text.ok());
+  return text.ok() ? *text : std::string();
+}
+
+fs::path write(const std::string& name, const std::string& content) {
+  static const fs::path folder = scratchFolder("refusals");
+  const fs::path path = folder / name;
+  std::ofstream(path, std::ios::binary) << content;
+  return path;
+}
+
+// The run is refused: status 2, nothing on standard output, and one line on standard error that
+// names every one of `names`.
+void expectRefusal(const std::vector<std::string>& arguments, const std::vector<std::string>& names) {
+  const ProgramRun run = runProgram("hourglass", arguments, 120);
+  const std::string command = fmt::format("hourglass {}", fmt::join(arguments, " "));
+  EXPECT_EQ(run.status, 2) << command << "\n" << run.err;
+  EXPECT_EQ(run.out, "") << command;
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << command << "\n" << run.err;
+  for (const std::string& name : names)
+    EXPECT_NE(run.err.find(name), std::string::npos) << command << "\nlacks '" << name << "':\n" << run.err;
+}
+
+TEST(Refusals, Flags) {
+  expectRefusal({"--no-such-flag"}, {"no-such-flag"});
+  expectRefusal({"stray"}, {"stray"});
+  expectRefusal({"--size", "640"}, {"--size", "640", "WIDTHxHEIGHT"});
+  expectRefusal({"--size", "0x360"}, {"0x360"});
+  expectRefusal({"--size", "640x-360"}, {"640x-360"});
+  expectRefusal({"--size", "99999x99999"}, {"8192"});
+  expectRefusal({"--size", "640x360x2"}, {"640x360x2"});
+  expectRefusal({"--context", "vulkan"}, {"vulkan", "egl"});
+  expectRefusal({"--threads", "-1"}, {"--threads"});
+  expectRefusal({"--threads", "many"}, {"--threads", "many"});
+  expectRefusal({"--threads", "100000"}, {"--threads"});
+  expectRefusal({"--ticks", "0"}, {"--ticks"});
+  expectRefusal({"--ticks", "1e99"}, {"--ticks"});
+  expectRefusal({"--frames", "1,2,x", "--capture", "x"}, {"--frames", "1,2,x"});
+  expectRefusal({"--frames", "0", "--capture", "x"}, {"--frames"});
+  expectRefusal({"--every", "0", "--capture", "x"}, {"--every"});
+  expectRefusal({"--truth", "0", "--capture", "x", "--every", "1"}, {"--truth"});
+  expectRefusal({"--truth", "4", "--ticks", "1"}, {"--truth", "--capture"});
+  expectRefusal({"--frames", "60", "--ticks", "1"}, {"--frames", "--capture"});
+  expectRefusal({"--capture", "x", "--ticks", "1"}, {"--capture", "--frames", "--every"});
+  expectRefusal({"--context", "egl"}, {"--replay", "--ticks"});
+  expectRefusal({"--capture", kLevel.string(), "--every", "1", "--ticks", "1", "--context", "egl"},
+                {"level1.glb"});
+}
+
+TEST(Refusals, Levels) {
+  const auto refuse = [](const fs::path& level, const std::vector<std::string>& names) {
+    expectRefusal({"--level", level.string(), "--ticks", "1", "--context", "egl"}, names);
+  };
+  refuse("nowhere.glb", {"nowhere.glb"});
+  refuse("99", {"level99.glb"});
+  refuse(fs::temp_directory_path(), {fs::temp_directory_path().string()});
+  refuse(write("empty.glb", ""), {"empty.glb"});
+  refuse(write("text.glb", "not a model"), {"text.glb"});
+  const std::string level = readAll(kLevel);
+  refuse(write("cut.glb", level.substr(0, level.size() / 2)), {"cut.glb"});
+  refuse(write("header.glb", level.substr(0, 12)), {"header.glb"});
+  std::string huge = level;
+  std::copy_n("\xff\xff\xff\x7f", 4, huge.begin() + 8);
+  refuse(write("huge.glb", huge), {"huge.glb"});
+  refuse(write("brace.gltf", "{\"asset\": {\"version\": \"2.0\"}"), {"brace.gltf"});
+  refuse(write("version.gltf", R"({"asset": {"version": "1.0"}})"), {"version.gltf", "1.0"});
+  refuse(write("index.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [7]}]})"),
+         {"index.gltf", "7"});
+  refuse(write("cycle.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+             "nodes": [{"children": [1]}, {"children": [0]}]})"),
+         {"cycle.gltf"});
+  refuse(write("type.gltf", R"({"asset": {"version": "2.0"}, "nodes": {"a": 1}})"), {"type.gltf", "nodes"});
+  refuse(write("buffer.gltf", R"({"asset": {"version": "2.0"},
+             "buffers": [{"uri": "gone.bin", "byteLength": 12}],
+             "bufferViews": [{"buffer": 0, "byteLength": 12}],
+             "accessors": [{"bufferView": 0, "componentType": 5126, "count": 1, "type": "VEC3"}],
+             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+             "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}]})"),
+         {"buffer.gltf", "gone.bin"});
+  refuse(write("extras.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+             "nodes": [{"name": "tray", "extras": {"Scale": {"target_kg": "heavy"}}}]})"),
+         {"extras.gltf", "tray", "Scale", "target_kg", "heavy"});
+  refuse(write("field.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+             "nodes": [{"name": "tray", "extras": {"Scale": {"target_lb": 3}}}]})"),
+         {"field.gltf", "tray", "Scale", "target_lb"});
+  refuse(write("nan.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+             "nodes": [{"translation": [0, 1e400, 0]}]})"),
+         {"nan.gltf"});
+  write("broken.png", "\x89PNG\r\n\x1a\nbroken");
+  refuse(write("image.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+             "nodes": [{"mesh": 0}], "images": [{"uri": "broken.png"}], "textures": [{"source": 0}],
+             "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+             "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+             "bufferViews": [{"buffer": 0, "byteLength": 36}],
+             "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                            "min": [0, 0, 0], "max": [1, 1, 0]}],
+             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}]})"),
+         {"image.gltf", "image 0", "PNG"});
+}
+
+TEST(Refusals, Replays) {
+  const std::string replay = readAll(kReplay);
+  const auto refuse = [](const fs::path& path, const std::vector<std::string>& names) {
+    expectRefusal({"--replay", path.string(), "--context", "egl"}, names);
+  };
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string text = replay;
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return at == std::string::npos ? text : text.replace(at, from.size(), to);
+  };
+  refuse("nowhere.replay", {"nowhere.replay"});
+  refuse(write("empty.replay", ""), {"empty.replay"});
+  refuse(write("cut.replay", replay.substr(0, replay.size() / 2)), {"cut.replay"});
+  refuse(write("version.replay", replaced("scree-replay 1", "scree-replay 9")), {"version.replay:1"});
+  refuse(write("level.replay", replaced("level level1.glb", "level level2.glb")), {"level.replay"});
+  refuse(write("action.replay", replaced("action move_x axis", "action moonwalk axis")), {"action.replay"});
+  refuse(write("flipped.replay", replaced("begin\n", "begin\n1 move_x 1\n")), {"flipped.replay"});
+  refuse(write("binary.replay", std::string("\0\1\2\3", 4) + replay), {"binary.replay:1"});
+}
+
+TEST(Refusals, Bindings) {
+  const auto refuse = [](const fs::path& path, const std::vector<std::string>& names) {
+    expectRefusal({"--bindings", path.string(), "--ticks", "1", "--context", "egl"}, names);
+  };
+  refuse("nowhere.json", {"nowhere.json"});
+  refuse(write("brace.json", "{"), {"brace.json"});
+  refuse(write("array.json", "[1, 2]"), {"array.json"});
+  refuse(write("action.json", R"({"version": 1, "actions": {"fly": ["key.f"]}})"), {"action.json", "fly"});
+  refuse(write("key.json", R"({"version": 1, "actions": {"pause": ["key.any"]}})"),
+         {"key.json", "pause", "key.any"});
+  refuse(write("scale.json", R"({"version": 1, "actions": {"pause": [{"source": "key.p", "scale": "x"}]}})"),
+         {"scale.json", "pause", "scale"});
+}
+
+}  // namespace
+}  // namespace scree::hourglass

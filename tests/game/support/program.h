@@ -1,0 +1,22 @@
+// Runs the built programs as a user does, and keeps what they say.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace scree::hourglass {
+
+struct ProgramRun {
+  int status = -1;  // exit status; 128 + n: ended by signal n
+  std::string out, err;
+};
+
+// Runs build/bin/<program> with these arguments, without a display; at most `timeout_s` seconds.
+ProgramRun runProgram(const std::string& program, const std::vector<std::string>& arguments,
+                      int timeout_s = 300);
+
+// A folder of this test's own under the build folder, empty.
+std::filesystem::path scratchFolder(const std::string& name);
+
+}  // namespace scree::hourglass
