@@ -56,9 +56,8 @@ Status Statistics::write(const std::filesystem::path& path, const std::vector<Ga
   json["simulated_s"] = static_cast<double>(ticks_.values.size()) * kTickSeconds;
   json["simulated_s_per_wall_s"] =
       wall_s > 0 ? static_cast<double>(ticks_.values.size()) * kTickSeconds / wall_s : 0.0;
-  const double play_ms = percentile(ticks_.values, 0.5) + percentile(frames_.values, 0.5);
-  json["frames_per_second_of_one_tick_and_one_frame"] =
-      frames_.values.empty() || play_ms <= 0 ? 0.0 : 1000.0 / play_ms;
+  json["frames_per_wall_s"] =
+      wall_s > 0 ? static_cast<double>(frames_.values.size()) / wall_s : 0.0;
   for (const Gauge& gauge : gauges) json[gauge.name] = gauge.read();
   json["tick_ms"] = summary(ticks_.values);
   json["frame_ms"] = summary(frames_.values);

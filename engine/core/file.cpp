@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <utility>
 
 namespace scree {
 namespace fs = std::filesystem;
@@ -32,10 +33,20 @@ Result<Buffer> readWhole(const fs::path& path, uint64_t max_bytes) {
   return content;
 }
 
-fs::path rootFrom(const char* variable, const char* source, const char* installed) {
+fs::path& dataRoot() {
+  static fs::path folder;
+  return folder;
+}
+
+fs::path rootFrom(const char* variable, const char* folder, const char* source,
+                  const char* installed) {
   if (const char* set = std::getenv(variable); set && *set) return set;
+  if (!dataRoot().empty()) return dataRoot() / folder;
   std::error_code ignored;
   if (fs::is_directory(source, ignored)) return source;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
+  const fs::path beside = program.parent_path().parent_path() / "share/scree" / folder;
+  if (fs::is_directory(beside, ignored)) return beside;
   return installed;
 }
 
@@ -79,11 +90,13 @@ Status writeFile(const fs::path& path, std::string_view content) {
 }
 
 fs::path shaderRoot() {
-  return rootFrom("SCREE_SHADERS", SCREE_SOURCE_SHADERS, SCREE_INSTALLED_SHADERS);
+  return rootFrom("SCREE_SHADERS", "shaders", SCREE_SOURCE_SHADERS, SCREE_INSTALLED_SHADERS);
 }
 
 fs::path contentRoot() {
-  return rootFrom("SCREE_CONTENT", SCREE_SOURCE_CONTENT, SCREE_INSTALLED_CONTENT);
+  return rootFrom("SCREE_CONTENT", "content", SCREE_SOURCE_CONTENT, SCREE_INSTALLED_CONTENT);
 }
+
+void setDataRoot(fs::path folder) { dataRoot() = std::move(folder); }
 
 }  // namespace scree

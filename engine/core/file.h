@@ -26,10 +26,14 @@ Status writeFile(const std::filesystem::path& path, std::string_view content);
 template <class Write>
 Status writeThenRename(const std::filesystem::path& path, Write&& write);
 
-// Where shader sources are: $SCREE_SHADERS, else the source tree, else the installed share folder.
+// Where shader sources are, the first of: $SCREE_SHADERS; shaders/ in the folder that setDataRoot
+// was given; the source tree; ../share/scree/shaders beside the program; the installed share folder.
 std::filesystem::path shaderRoot();
-// Where levels, models and textures are: $SCREE_CONTENT, else the source tree's content folder.
+// Where levels, models and textures are: $SCREE_CONTENT, else content/ in the same places.
 std::filesystem::path contentRoot();
+// For a program that keeps shaders/ and content/ in a folder of its own, or was built against an
+// installed package (its CMake variable scree_DATA_DIR). Empty: back to the default.
+void setDataRoot(std::filesystem::path folder);
 
 // The temporary path that writeThenRename writes to.
 std::filesystem::path temporaryPath(const std::filesystem::path& path);

@@ -74,5 +74,16 @@ TEST_F(File, RootsFollowTheEnvironment) {
   EXPECT_EQ(contentRoot(), fs::path(SCREE_SOURCE_DIR) / "content");
 }
 
+TEST_F(File, RootsFollowTheDataFolderOfTheProgram) {
+  setDataRoot("/opt/game");
+  EXPECT_EQ(shaderRoot(), "/opt/game/shaders");
+  EXPECT_EQ(contentRoot(), "/opt/game/content");
+  setenv("SCREE_SHADERS", "/somewhere/shaders", 1);
+  EXPECT_EQ(shaderRoot(), "/somewhere/shaders") << "the environment comes first";
+  unsetenv("SCREE_SHADERS");
+  setDataRoot({});
+  EXPECT_EQ(shaderRoot(), fs::path(SCREE_SOURCE_DIR) / "shaders");
+}
+
 }  // namespace
 }  // namespace scree
