@@ -29,9 +29,9 @@ void EntitySlots::allocateMany(uint32_t table, uint32_t first_row, std::span<Ent
   }
   if (fresh) {
     const size_t begin = slots_.size();
-    slots_.resize(begin + fresh);
+    if (slots_.capacity() < begin + fresh) slots_.reserve(std::max(begin + fresh, begin * 2));
     for (size_t i = 0; i < fresh; ++i) {
-      slots_[begin + i] = {1, table, first_row + static_cast<uint32_t>(reused + i)};
+      slots_.push_back({1, table, first_row + static_cast<uint32_t>(reused + i)});
       handles[reused + i] = {static_cast<uint32_t>(begin + i), 1};
     }
   }

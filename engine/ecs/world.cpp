@@ -32,6 +32,11 @@ TableRows World::spawnMany(size_t count, std::span<const ComponentValue> values)
   return state_->spawnMany(count, values);
 }
 
+TableRows World::spawnRaw(size_t count, std::span<const ComponentId> ids) {
+  state_->requireAlone("spawnMany");
+  return state_->spawnRaw(count, ids);
+}
+
 bool World::destroy(Entity entity) {
   state_->requireAlone("destroy");
   return state_->destroy(entity);

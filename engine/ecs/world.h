@@ -15,6 +15,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
 
 #include "engine/core/result.h"
@@ -72,6 +73,24 @@ class World {
     const std::array<ComponentValue, sizeof...(T)> list{
         ComponentValue{componentId<T>(), &values}...};
     return spawnMany(count, std::span<const ComponentValue>(list));
+  }
+  // `count` entities whose values init(index, values...) sets, starting from the defaults; index
+  // counts from 0 to count - 1. One pass over the memory: the fastest way to fill a world.
+  template <Component... T, class Init>
+  requires(sizeof...(T) > 0 && std::is_invocable_v<Init&, size_t, T&...>) TableRows
+      spawnMany(size_t count, Init&& init) {
+    static_assert(!(std::is_empty_v<T> || ...), "a tag has no values to set");
+    const std::array<ComponentId, sizeof...(T)> ids{componentId<T>()...};
+    const TableRows rows = spawnRaw(count, ids);
+    const std::tuple<std::span<T>...> columns{rows.column<T>()...};
+    for (size_t i = 0; i < count; ++i)
+      std::apply(
+          [&](auto&... column) {
+            ((column[i] = T{}), ...);
+            init(i, column[i]...);
+          },
+          columns);
+    return rows;
   }
   // False if it was dead.
   bool destroy(Entity entity);
@@ -177,6 +196,8 @@ class World {
 
  private:
   friend class Schedule;
+  // As spawnMany, but with values of unspecified bytes.
+  TableRows spawnRaw(size_t count, std::span<const ComponentId> ids);
   QueryCache* queryCache(const QuerySignature& signature);
   Singletons& singletons() const;
 

@@ -74,15 +74,26 @@ Entity WorldState::spawn(std::span<const ComponentValue> values) {
   return entity;
 }
 
-TableRows WorldState::spawnMany(size_t count, std::span<const ComponentValue> values) {
-  Table& table = tableOf(values);
+TableRows WorldState::appendRows(Table& table, size_t count) {
   const uint32_t first = table.append(count);
   slots.allocateMany(table.index_, first, {table.entities_ + first, count});
-  for (const ComponentValue& value : values) {
-    Column& column = *table.findColumn(value.id);
-    table.fill(column, first, count, value.value ? value.value : column.info->default_value);
-  }
   return {&table, first, count};
+}
+
+TableRows WorldState::spawnMany(size_t count, std::span<const ComponentValue> values) {
+  const TableRows rows = appendRows(tableOf(values), count);
+  for (const ComponentValue& value : values) {
+    Column& column = *rows.table->findColumn(value.id);
+    rows.table->fill(column, rows.begin, count,
+                     value.value ? value.value : column.info->default_value);
+  }
+  return rows;
+}
+
+TableRows WorldState::spawnRaw(size_t count, std::span<const ComponentId> ids) {
+  std::array<ComponentValue, kMaxComponentTypes> values;
+  for (size_t i = 0; i < ids.size(); ++i) values[i] = {ids[i], nullptr};
+  return appendRows(tableOf(std::span(values).first(ids.size())), count);
 }
 
 void WorldState::closeGap(Table& table, uint32_t row) {

@@ -61,6 +61,8 @@ struct WorldState {
 
   Entity spawn(std::span<const ComponentValue> values);
   TableRows spawnMany(size_t count, std::span<const ComponentValue> values);
+  TableRows spawnRaw(size_t count, std::span<const ComponentId> ids);
+  TableRows appendRows(Table& table, size_t count);
   bool destroy(Entity entity);
   size_t destroyMany(std::span<const Entity> entities);
   void clear();

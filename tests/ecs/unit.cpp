@@ -130,6 +130,26 @@ TEST(Bulk, SpawnManyFillsDefaultsOrCopies) {
   EXPECT_EQ(distinct.size(), 1778u);
 }
 
+TEST(Bulk, SpawnManySetsValuesByIndex) {
+  World world;
+  world.spawn(Position{}, Velocity{});
+  const size_t count = 300000;  // the columns are of huge pages
+  const TableRows rows =
+      world.spawnMany<Position, Velocity>(count, [](size_t i, Position& p, Velocity& v) {
+        p.radius_m = static_cast<float>(i);
+        v.velocity.y = -static_cast<float>(i);
+      });
+  ASSERT_EQ(rows.size(), count);
+  for (size_t i = 0; i < count; i += 997) {
+    const Entity entity = rows.entities()[i];
+    const auto x = static_cast<float>(i);
+    EXPECT_EQ(*world.peek<Position>(entity), (Position{vec3(0), x}));
+    EXPECT_EQ(*world.peek<Velocity>(entity), (Velocity{vec3(0, -x, 0)}));
+  }
+  EXPECT_EQ(world.entityCount(), count + 1);
+  EXPECT_EQ(world.stateHash(), world.stateHashFromScratch());
+}
+
 TEST(Bulk, SpawnManyReusesFreedHandles) {
   World world;
   const TableRows first = world.spawnMany<Position>(10);
