@@ -55,7 +55,7 @@ PassDesc visiblePass(const SharedState& state) {
 
 PassDesc drawPass(const SharedState& state) {
   const auto program = std::make_shared<gpu::Program>(gpu::ProgramDesc{
-      .name = "grains.draw", .vertex = "lib/full_screen.vert", .fragment = "grains/draw.frag"});
+      .name = "grains.draw", .vertex = "grains/draw.vert", .fragment = "grains/draw.frag"});
   return {.name = "grains.draw",
           .stage = Stage::Geometry,
           .needs_text = "a grain in view",
@@ -66,10 +66,12 @@ PassDesc drawPass(const SharedState& state) {
           .uses = gbufferUses({{kVisibleTarget, Access::Sampled}}),
           .run = [state, program](PassContext& context) {
             if (!program->use()) return;
-            bind(state->draw);
+            const DrawState& draw = state->draw;
+            bind(draw);
+            draw.spans.bindStorage(rules::kVisibleBinding);
             context.frame.texture(kVisibleTarget).bind(rules::kPassTextureUnit);
             gpu::apply({.depth_func = gpu::Compare::Always, .cull = gpu::Cull::None});
-            gpu::drawFullScreen();
+            gpu::drawVertexless(GL_TRIANGLES, 6 * static_cast<int>(draw.covered_spans.size()));
           }};
 }
 

@@ -6,6 +6,7 @@
 
 #include "engine/ecs/query.h"
 #include "engine/gpu/stream.h"
+#include "modules/grains/cover.h"
 #include "modules/grains/grains.h"
 
 namespace scree::grains {
@@ -24,7 +25,9 @@ struct DrawState {
   Version uploaded = 0;  // of the columns in `records`
   gpu::StreamBuffer record_stream{"grains.records", 1 << 20};  // moves on only when grains moved
   gpu::StreamBuffer frame_stream{"grains.frame", 64 * 1024};
-  gpu::StreamSlice records, frame, visible;
+  gpu::StreamSlice records, frame, visible, spans;
+  Cover cover;                          // of the grains in view
+  std::vector<uint32_t> covered_spans;  // its tiles: what grains.draw looks at
   uint32_t count = 0;          // grains
   uint32_t visible_count = 0;  // grains in view
   uint32_t near_count = 0;     // of these, the last ones in `visible`: may cross the near plane

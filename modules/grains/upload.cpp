@@ -67,12 +67,14 @@ void gatherVisible(DrawState& draw, const View& view, vec3 origin, float alpha) 
   draw.in_view.clear();
   draw.at_near_plane.clear();
   draw.distance.clear();
+  draw.cover.reset(view);
   const vec4 near_plane = view.block.frustum_planes[4];
   uint32_t row = 0;
   draw.drawn.each([&](const Grain& grain, const GrainPrevious& previous, const GrainOrientation&,
                       const GrainSpin&, const GrainLook&) {
     const vec3 center = origin + previous.position + (grain.position - previous.position) * alpha;
     if (sphereInView(view, center, grain.radius)) {
+      draw.cover.add(center, grain.radius);
       // A little early: a grain may be tested in vain, but none may be missed.
       if (glm::dot(vec3(near_plane), center) + near_plane.w < 1.001f * grain.radius) {
         draw.at_near_plane.push_back(row);
@@ -87,6 +89,7 @@ void gatherVisible(DrawState& draw, const View& view, vec3 origin, float alpha) 
   draw.ordered.insert(draw.ordered.end(), draw.at_near_plane.begin(), draw.at_near_plane.end());
   draw.near_count = static_cast<uint32_t>(draw.at_near_plane.size());
   draw.visible_count = static_cast<uint32_t>(draw.ordered.size());
+  draw.cover.spans(draw.covered_spans);
 }
 
 // Spheres around the grains at the frame's time.
@@ -127,8 +130,10 @@ void upload(GrainsState& state) {
   gatherVisible(draw, view, vec3(frame.origin), input.alpha);
   draw.frame_stream.beginFrame();
   draw.frame = draw.frame_stream.write(frame);
-  if (draw.visible_count > 0)
+  if (draw.visible_count > 0) {
     draw.visible = draw.frame_stream.write(std::span<const uint32_t>(draw.ordered));
+    draw.spans = draw.frame_stream.write(std::span<const uint32_t>(draw.covered_spans));
+  }
   if (world.singleton<const Sun>().present)
     addCasters(draw, origin, input.alpha, world.singleton<ShadowCasters>());
 }
