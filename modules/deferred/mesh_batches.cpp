@@ -106,7 +106,7 @@ void MeshBatches::place(World& world, const FrameInput& input, const View& view,
       if (casts) casters.spheres.push_back({sphere.center, sphere.radius});
       if (!visible && !casts) continue;
       placed_.push_back({now, still ? now : interpolate(previous[i], transforms[i], then),
-                         entities[i].index + 1, 2 * group + (mirrors(now) ? 1u : 0u), visible, casts});
+                         entities[i].index + 1, 2 * group + (mirrors(now) ? 1u : 0u), visible, casts, still});
       if (visible) {
         MeshBatch& slot = slots_[placed_.back().slot];
         slot.nearest_m = std::min(slot.nearest_m, glm::length(relative) - sphere.radius);
@@ -115,10 +115,29 @@ void MeshBatches::place(World& world, const FrameInput& input, const View& view,
   }
 }
 
-void MeshBatches::layOut(std::vector<MeshBatch>& batches, size_t& total, bool casting) {
+bool MeshBatches::Standing::operator==(const Standing& other) const {
+  return slot == other.slot && placed.position == other.placed.position &&
+         placed.rotation == other.placed.rotation && placed.scale == other.placed.scale;
+}
+
+void MeshBatches::noteStanding() {
+  standing_.swap(standing_before_);
+  standing_.clear();
+  for (const Placed& p : placed_)
+    if (belongs(p, Part::CastingStill)) standing_.push_back({p.slot, p.now});
+  // Slots mean other meshes after a new grouping.
+  if (standing_ != standing_before_ || standing_grouped_ != grouped_) ++still_version_;
+  standing_grouped_ = grouped_;
+}
+
+bool MeshBatches::belongs(const Placed& p, Part part) {
+  return part == Part::Opaque ? p.visible : p.casts && p.still == (part == Part::CastingStill);
+}
+
+void MeshBatches::layOut(std::vector<MeshBatch>& batches, size_t& total, Part part) {
   for (MeshBatch& slot : slots_) slot.count = 0;
   for (const Placed& p : placed_)
-    if (casting ? p.casts : p.visible) ++slots_[p.slot].count;
+    if (belongs(p, part)) ++slots_[p.slot].count;
   uint32_t first = 0;
   batches.clear();
   for (MeshBatch& slot : slots_) {
@@ -136,8 +155,10 @@ void MeshBatches::update(World& world, const FrameInput& input, const View& view
   camera_ = view.position;
   previous_camera_ = view.previous_position;
   place(world, input, view, sun, casters);
-  layOut(opaque_, opaque_count_, false);
-  layOut(casting_, casting_count_, true);
+  layOut(opaque_, opaque_count_, Part::Opaque);
+  layOut(casting_still_, still_count_, Part::CastingStill);
+  layOut(casting_moving_, moving_count_, Part::CastingMoving);
+  noteStanding();
   // Near surfaces first, so that the depth test saves shading what they hide.
   std::sort(opaque_.begin(), opaque_.end(), [](const MeshBatch& a, const MeshBatch& b) {
     return a.nearest_m != b.nearest_m ? a.nearest_m < b.nearest_m : a.first < b.first;
@@ -162,12 +183,13 @@ void MeshBatches::writeOpaque(std::span<rules::MeshInstanceRecord> records) cons
   }
 }
 
-void MeshBatches::writeCasting(std::span<rules::MeshCasterRecord> records) const {
-  setCursors(casting_);
+void MeshBatches::writeCasting(bool still, const ShadowFit& fit,
+                               std::span<rules::MeshCasterRecord> records) const {
+  setCursors(casting(still));
   for (const Placed& p : placed_) {
-    if (!p.casts) continue;
+    if (!belongs(p, still ? Part::CastingStill : Part::CastingMoving)) continue;
     rules::MeshCasterRecord record{};
-    writeRows(record.relative_from_local, p.now, camera_);
+    writeCasterRows(record.clip_from_local, fit, p.now);
     records[cursor_[p.slot]++] = record;
   }
 }

@@ -7,6 +7,7 @@
 
 #include "engine/frame/frame.h"
 #include "modules/deferred/deferred.h"
+#include "modules/deferred/shadow_fit.h"
 #include "shaders/shared/mesh_instance.h"
 
 namespace scree {
@@ -46,10 +47,12 @@ class MeshBatches {
   std::span<const MeshBatch> opaque() const { return opaque_; }
   size_t opaqueCount() const { return opaque_count_; }
   void writeOpaque(std::span<rules::MeshInstanceRecord> records) const;
-  // Batches that cast shadows, in view or not.
-  std::span<const MeshBatch> casting() const { return casting_; }
-  size_t castingCount() const { return casting_count_; }
-  void writeCasting(std::span<rules::MeshCasterRecord> records) const;
+  // Batches that cast shadows, in view or not: of what stands still, or of what moves this frame.
+  std::span<const MeshBatch> casting(bool still) const { return still ? casting_still_ : casting_moving_; }
+  size_t castingCount(bool still) const { return still ? still_count_ : moving_count_; }
+  void writeCasting(bool still, const ShadowFit& fit, std::span<rules::MeshCasterRecord> records) const;
+  // Moves on when the casters that stand still, or where they stand, are others than before.
+  uint64_t stillVersion() const { return still_version_; }
 
  private:
   struct Key {
@@ -62,12 +65,21 @@ class MeshBatches {
     Transform before;  // one frame ago
     uint32_t id;
     uint32_t slot;  // 2 * group + mirrored
-    bool visible, casts;
+    bool visible, casts, still;
   };
+  // A caster that stands still.
+  struct Standing {
+    uint32_t slot;
+    Transform placed;
+    bool operator==(const Standing& other) const;
+  };
+  enum class Part { Opaque, CastingStill, CastingMoving };
+  static bool belongs(const Placed& p, Part part);
   void group(World& world);
   void place(World& world, const FrameInput& input, const View& view, bool sun,
              ShadowCasters& casters);
-  void layOut(std::vector<MeshBatch>& batches, size_t& total, bool casting);
+  void layOut(std::vector<MeshBatch>& batches, size_t& total, Part part);
+  void noteStanding();
   void setCursors(std::span<const MeshBatch> batches) const;
 
   Query<const Transform, const MeshInstance> query_;
@@ -77,8 +89,11 @@ class MeshBatches {
   std::vector<uint32_t> group_of_row_;  // all tables one after the other; kNoGroup: not drawable
   std::vector<Placed> placed_;
   std::vector<MeshBatch> slots_;  // two a group; nearest_m is of the frame, the rest scratch
-  std::vector<MeshBatch> opaque_, casting_;
-  size_t opaque_count_ = 0, casting_count_ = 0;
+  std::vector<MeshBatch> opaque_, casting_still_, casting_moving_;
+  size_t opaque_count_ = 0, still_count_ = 0, moving_count_ = 0;
+  std::vector<Standing> standing_, standing_before_;
+  Version standing_grouped_ = 0;
+  uint64_t still_version_ = 1;
   dvec3 camera_{0}, previous_camera_{0};
   mutable std::vector<uint32_t> cursor_;  // scratch of the writers
 };

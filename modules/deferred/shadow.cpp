@@ -1,4 +1,6 @@
-// deferred.shadow: fits the sun's view to all casters, clears the shadow map, draws casting meshes.
+// deferred.shadow: fits the sun's view to all casters and draws casting meshes. The depth of what
+// stands still is kept between frames.
+#include "engine/core/log.h"
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/state.h"
@@ -10,33 +12,63 @@ namespace {
 
 constexpr int kFirstInstance = 0;  // uniform location
 
+// What a map of still casters shows.
+struct Shown {
+  ShadowFit fit;
+  uint64_t still_version = 0;  // 0: nothing yet
+  bool operator==(const Shown&) const = default;
+};
+
 struct ShadowPass {
   gpu::Program solid{{.name = "deferred.caster", .vertex = "deferred/caster.vert"}};
   gpu::Program masked{{.name = "deferred.caster_mask",
                        .vertex = "deferred/caster.vert",
                        .fragment = "deferred/caster_mask.frag",
                        .defines = {"ALPHA_MASK"}}};
-  void draw(DeferredState& state);
+  // The still casters alone, as long as others are drawn into the shadow map itself.
+  gpu::Texture kept_map;
+  gpu::Framebuffer kept_target;
+  Shown kept;      // by kept_map
+  Shown complete;  // by the shadow map, if it shows still casters and nothing else
+  int side = 0;    // of the shadow map's used part, in the last run; around it the map is empty
+
+  void clear(PassContext& context);
+  void run(DeferredState& state, PassContext& context);
+  void drawStill(DeferredState& state, const ShadowFit& fit, PassContext& context);
+  void draw(DeferredState& state, const ShadowFit& fit, bool still);
 };
 
-void fit(DeferredState& state, int output_height) {
-  World& world = state.world;
-  const ShadowSettings& settings = world.singleton<const ShadowSettings>();
-  ShadowView& view = world.singleton<ShadowView>();
-  view.block = fitShadowView(world.singleton<const ShadowCasters>().spheres,
-                             world.singleton<const View>().position, world.singleton<const Sun>().to_sun,
-                             shadowMapSide(settings, output_height), settings.max_distance_m);
-  state.blocks.write(view.block).bindUniform(rules::kShadowViewBinding);
+void ShadowPass::clear(PassContext& context) {
+  context.framebuffer->clearDepth(0);
+  complete = Shown();
 }
 
-void ShadowPass::draw(DeferredState& state) {
-  if (state.batches.castingCount() == 0) return;
+ShadowFit fit(DeferredState& state, int output_height) {
+  World& world = state.world;
+  const ShadowSettings& settings = world.singleton<const ShadowSettings>();
+  const dvec3 camera = world.singleton<const View>().position;
+  const ShadowFit fit =
+      fitShadow(world.singleton<const ShadowCasters>().spheres, camera,
+                world.singleton<const Sun>().to_sun, shadowMapSide(settings, output_height),
+                settings.max_distance_m);
+  ShadowView& view = world.singleton<ShadowView>();
+  view.block = shadowViewBlock(fit, camera);
+  state.blocks.write(view.block).bindUniform(rules::kShadowViewBinding);
+  return fit;
+}
+
+void ShadowPass::draw(DeferredState& state, const ShadowFit& fit, bool still) {
+  const MeshBatches& batches = state.batches;
+  const size_t count = batches.castingCount(still);
+  if (count == 0 || !fit.enabled) return;
+  const gpu::StreamSlice records = state.instances.allocate(count * sizeof(rules::MeshCasterRecord));
+  batches.writeCasting(still, fit, {static_cast<rules::MeshCasterRecord*>(records.data), count});
+  records.bindStorage(rules::kInstancesBinding);
   MeshStore& meshes = state.world.singleton<MeshStore>();
   MaterialStore& materials = state.world.singleton<MaterialStore>();
   meshes.vertexArray().bind();
-  state.caster_records.bindStorage(rules::kInstancesBinding);
   gpu::apply(shadowDrawState());
-  for (const MeshBatch& batch : state.batches.casting()) {
+  for (const MeshBatch& batch : batches.casting(still)) {
     for (const MeshPart& part : meshes.mesh(batch.mesh).parts) {
       const uint32_t material = batch.material == MeshInstance::kOwnMaterials ? part.material : batch.material;
       const bool has_holes = (state.materials.features(material) & kFeatureAlphaMask) != 0;
@@ -54,6 +86,48 @@ void ShadowPass::draw(DeferredState& state) {
   }
 }
 
+// Copies the kept map over the shadow map's used part, after drawing it anew if need be.
+void ShadowPass::drawStill(DeferredState& state, const ShadowFit& fit, PassContext& context) {
+  if (!kept_map) {
+    kept_map = gpu::Texture("deferred.kept_shadows", {.format = GL_DEPTH_COMPONENT16,
+                                                      .size = ivec2(rules::kShadowMapSize)});
+    kept_target = gpu::Framebuffer("deferred.kept_shadows");
+    kept_target.attachDepth(kept_map);
+    if (Status done = kept_target.finish(); !done.ok()) fail("deferred.shadow: " + done.error());
+  }
+  const Shown wanted{fit, state.batches.stillVersion()};
+  if (kept != wanted) {
+    kept_target.bind();
+    kept_target.clearDepth(0);
+    draw(state, fit, true);
+    context.framebuffer->bind();
+    kept = wanted;
+  }
+  glCopyImageSubData(kept_map.id(), GL_TEXTURE_2D, 0, 0, 0, 0,
+                     context.frame.texture(kShadowMap).id(), GL_TEXTURE_2D, 0, 0, 0, 0, fit.side,
+                     fit.side, 1);
+}
+
+void ShadowPass::run(DeferredState& state, PassContext& context) {
+  const ShadowFit now = fit(state, context.input.size.y);
+  const MeshBatches& batches = state.batches;
+  const size_t still = batches.castingCount(true), moving = batches.castingCount(false);
+  const bool others = state.world.singleton<const ShadowCasters>().spheres.size() > still + moving;
+  if (context.first_run_after_off || side != now.side) clear(context);
+  side = now.side;
+  if (still > 0 && (moving > 0 || others)) {
+    complete = Shown();
+    drawStill(state, now, context);
+    draw(state, now, false);
+    return;
+  }
+  const Shown wanted{now, batches.stillVersion()};
+  if (still > 0 && complete == wanted) return;
+  clear(context);
+  draw(state, now, still > 0);
+  if (still > 0) complete = wanted;
+}
+
 }  // namespace
 
 PassDesc shadowPass(const SharedState& state) {
@@ -63,11 +137,7 @@ PassDesc shadowPass(const SharedState& state) {
           .needs_text = "a sun and a shadow caster",
           .needs = [state] { return shadowsWanted(state->world); },
           .uses = shadowUses(),
-          .run = [state, pass](PassContext& context) {
-            fit(*state, context.input.size.y);
-            context.framebuffer->clearDepth(0);
-            pass->draw(*state);
-          }};
+          .run = [state, pass](PassContext& context) { pass->run(*state, context); }};
 }
 
 }  // namespace scree

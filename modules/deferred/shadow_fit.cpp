@@ -2,6 +2,7 @@
 #include "modules/deferred/shadow_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -20,6 +21,17 @@ struct Interval {
 // Smallest 2^(k/8) that is >= length.
 double steppedUp(double length) { return std::exp2(std::ceil(std::log2(length) * 8) / 8); }
 
+// From texels of the used part to clip space, along x and y.
+constexpr double kClip = 2.0 / rules::kShadowMapSize;
+
+// Coordinate = dot(row.xyz, p - origin) + row.w; x and y in texels of the map, z is depth.
+using Rows = std::array<glm::dvec4, 3>;
+Rows rowsFrom(const ShadowFit& fit, const dvec3& origin) {
+  return {glm::dvec4(fit.axis_x, glm::dot(origin, fit.axis_x) - fit.left) / fit.texel,
+          glm::dvec4(fit.axis_y, glm::dot(origin, fit.axis_y) - fit.bottom) / fit.texel,
+          glm::dvec4(fit.axis_z, glm::dot(origin, fit.axis_z) - fit.far) / fit.depth};
+}
+
 }  // namespace
 
 int shadowMapSide(const ShadowSettings& settings, int output_height) {
@@ -28,9 +40,8 @@ int shadowMapSide(const ShadowSettings& settings, int output_height) {
   return std::clamp(wanted, 64, rules::kShadowMapSize);
 }
 
-rules::ShadowViewBlock fitShadowView(std::span<const ShadowCasters::Sphere> casters,
-                                     const dvec3& camera, const vec3& to_sun, int map_size,
-                                     float max_distance_m) {
+ShadowFit fitShadow(std::span<const ShadowCasters::Sphere> casters, const dvec3& camera,
+                    const vec3& to_sun, int map_size, float max_distance_m) {
   const dvec3 axis_z = glm::normalize(dvec3(to_sun));
   const dvec3 up = std::abs(axis_z.y) < 0.9 ? dvec3(0, 1, 0) : dvec3(0, 0, 1);
   const dvec3 axis_x = glm::normalize(glm::cross(up, axis_z));
@@ -49,35 +60,60 @@ rules::ShadowViewBlock fitShadowView(std::span<const ShadowCasters::Sphere> cast
     y.include(std::max(cy - r, eye.y - reach), std::min(cy + r, eye.y + reach));
     z.include(cz - r, cz + r);
   }
-  rules::ShadowViewBlock view{};
-  if (!(x.min <= x.max) || !std::isfinite(z.max - z.min)) return view;
+  ShadowFit fit;
+  if (!(x.min <= x.max) || !std::isfinite(z.max - z.min)) return fit;
 
   const double usable = map_size - 2 * kShadowBorderTexels - 1;  // 1: lost to the snapping
-  const double texel = steppedUp(std::max(std::max(x.max - x.min, y.max - y.min), 1e-3) / usable);
-  const double left = (std::floor(x.min / texel) - kShadowBorderTexels) * texel;
-  const double bottom = (std::floor(y.min / texel) - kShadowBorderTexels) * texel;
-  const double side = map_size * texel;
+  fit.texel = steppedUp(std::max(std::max(x.max - x.min, y.max - y.min), 1e-3) / usable);
+  fit.left = (std::floor(x.min / fit.texel) - kShadowBorderTexels) * fit.texel;
+  fit.bottom = (std::floor(y.min / fit.texel) - kShadowBorderTexels) * fit.texel;
   // A margin, so that rounding puts no caster outside [0, 1].
   const double margin = 1e-4 * (z.max - z.min) + 1e-4;
-  const double far = z.min - margin, depth = z.max + margin - far;
+  fit.far = z.min - margin;
+  fit.depth = z.max + margin - fit.far;
+  fit.axis_x = axis_x;
+  fit.axis_y = axis_y;
+  fit.axis_z = axis_z;
+  fit.side = map_size;
+  fit.enabled = true;
+  return fit;
+}
 
-  // Rows: coordinate = dot(row.xyz, relative) + row.w; x and y in texels of the map.
-  const glm::dvec4 rows[3] = {glm::dvec4(axis_x, eye.x - left) / texel,
-                              glm::dvec4(axis_y, eye.y - bottom) / texel,
-                              glm::dvec4(axis_z, eye.z - far) / depth};
-  const double clip = 2.0 / rules::kShadowMapSize;
+rules::ShadowViewBlock shadowViewBlock(const ShadowFit& fit, const dvec3& camera) {
+  rules::ShadowViewBlock view{};
+  if (!fit.enabled) return view;
+  const Rows rows = rowsFrom(fit, camera);
+  const double side = fit.side * fit.texel;
   for (int c = 0; c < 4; ++c) {
     const double one = c == 3 ? 1 : 0;
     view.shadow_from_relative[c] = vec4(rows[0][c], rows[1][c], rows[2][c], one);
-    view.clip_from_relative[c] = vec4(clip * rows[0][c] - one, clip * rows[1][c] - one, rows[2][c], one);
+    view.clip_from_relative[c] =
+        vec4(kClip * rows[0][c] - one, kClip * rows[1][c] - one, rows[2][c], one);
   }
-  view.axis_x = vec4(vec3(axis_x), side / 2);
-  view.axis_y = vec4(vec3(axis_y), side / 2);
-  view.to_sun = vec4(vec3(axis_z), depth);
-  view.size_px = vec2(static_cast<float>(map_size));
-  view.texel_m = static_cast<float>(texel);
+  view.axis_x = vec4(vec3(fit.axis_x), side / 2);
+  view.axis_y = vec4(vec3(fit.axis_y), side / 2);
+  view.to_sun = vec4(vec3(fit.axis_z), fit.depth);
+  view.size_px = vec2(static_cast<float>(fit.side));
+  view.texel_m = static_cast<float>(fit.texel);
   view.enabled = 1;
   return view;
+}
+
+void writeCasterRows(vec4* out, const ShadowFit& fit, const Transform& placed) {
+  const Rows rows = rowsFrom(fit, placed.position);
+  const mat4 turned = relativeFromLocal(placed, placed.position);
+  for (int r = 0; r < 3; ++r) {
+    const double scale = r < 2 ? kClip : 1;
+    glm::dvec4 row(0, 0, 0, scale * rows[r].w - (r < 2 ? 1 : 0));
+    for (int c = 0; c < 3; ++c) row[c] = scale * glm::dot(dvec3(rows[r]), dvec3(turned[c]));
+    out[r] = vec4(row);
+  }
+}
+
+rules::ShadowViewBlock fitShadowView(std::span<const ShadowCasters::Sphere> casters,
+                                     const dvec3& camera, const vec3& to_sun, int map_size,
+                                     float max_distance_m) {
+  return shadowViewBlock(fitShadow(casters, camera, to_sun, map_size, max_distance_m), camera);
 }
 
 }  // namespace scree

@@ -24,7 +24,6 @@ struct DeferredState {
   gpu::StreamBuffer blocks{"deferred.blocks", 4096};       // uniform blocks of the frame
   gpu::StreamBuffer instances{"deferred.instances", 256 * 1024};
   gpu::StreamSlice opaque_records;
-  gpu::StreamSlice caster_records;
   rules::LightingBlock lighting{};
   Entity warned_lights = Entity::kNone;  // the light that was last complained about
 };

@@ -1,6 +1,5 @@
 // Instances of meshes as the sun sees them. Define ALPHA_MASK for materials with holes.
 #include "shared/mesh_instance.h"
-#include "shared/shadow.h"
 
 layout(std430, binding = kInstancesBinding) readonly buffer Instances {
   MeshCasterRecord instances[];
@@ -15,10 +14,9 @@ out vec2 uv_out;
 
 void main() {
   MeshCasterRecord instance = instances[first_instance + uint(gl_InstanceID)];
-  vec4 rows[3] = instance.relative_from_local;
+  vec4 rows[3] = instance.clip_from_local;
   vec4 local = vec4(position, 1.0);
-  vec3 relative = vec3(dot(rows[0], local), dot(rows[1], local), dot(rows[2], local));
-  gl_Position = shadow_view.clip_from_relative * vec4(relative, 1.0);
+  gl_Position = vec4(dot(rows[0], local), dot(rows[1], local), dot(rows[2], local), 1.0);
 #ifdef ALPHA_MASK
   uv_out = uv;
 #endif

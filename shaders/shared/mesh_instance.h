@@ -14,9 +14,9 @@ struct MeshInstanceRecord {
   uint pad1;
 };
 
-// std430, 48 bytes: an instance in the shadow map.
+// std430, 48 bytes: an instance in the shadow map; w is 1.
 struct MeshCasterRecord {
-  vec4 relative_from_local[3];
+  vec4 clip_from_local[3];
 };
 
 // std140.
