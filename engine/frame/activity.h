@@ -36,6 +36,8 @@ class Activity {
   bool hasContent(size_t resource) const {
     return resource < content_.size() && content_[resource] != 0;
   }
+  // True if a pass that is on reads the resource, or it is read outside.
+  bool isRead(size_t resource) const { return resource < read_.size() && read_[resource] != 0; }
 
  private:
   std::vector<PassDecision> decisions_;

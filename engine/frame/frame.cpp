@@ -238,6 +238,12 @@ bool Frame::hasContent(std::string_view name) const {
   return state_->activity.hasContent(static_cast<size_t>(resource - state_->resources.data()));
 }
 
+bool Frame::isRead(std::string_view name) const {
+  const FrameResource* resource = state_->find(name);
+  if (!resource) return false;
+  return state_->activity.isRead(static_cast<size_t>(resource - state_->resources.data()));
+}
+
 const std::vector<PassReport>& Frame::report() const {
   return state_->reports;
 }

@@ -166,6 +166,9 @@ class Frame {
   void bindSampled(std::string_view name, unsigned unit) const;
   // True in a frame in which a pass that is on wrote the resource.
   bool hasContent(std::string_view name) const;
+  // True in a frame in which a pass that is on reads the resource, or it is kept: a pass may leave
+  // out what nobody reads.
+  bool isRead(std::string_view name) const;
 
   // One entry a pass, in frame order, of the last run() or decide().
   const std::vector<PassReport>& report() const;

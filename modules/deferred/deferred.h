@@ -30,6 +30,7 @@ struct DrawState;
 inline constexpr std::string_view kGbufferAlbedo = "gbuffer.albedo";
 inline constexpr std::string_view kGbufferNormal = "gbuffer.normal";
 inline constexpr std::string_view kGbufferEmissive = "gbuffer.emissive";
+// Zero unless a pass that is on reads it, or Frame::keep() asks for it.
 inline constexpr std::string_view kGbufferMotion = "gbuffer.motion";
 inline constexpr std::string_view kGbufferId = "gbuffer.id";
 inline constexpr std::string_view kGbufferDepth = "gbuffer.depth";

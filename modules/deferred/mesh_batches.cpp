@@ -109,7 +109,7 @@ void MeshBatches::place(World& world, const FrameInput& input, const View& view,
                          entities[i].index + 1, 2 * group + (mirrors(now) ? 1u : 0u), visible, casts, still});
       if (visible) {
         MeshBatch& slot = slots_[placed_.back().slot];
-        slot.nearest_m = std::min(slot.nearest_m, glm::length(relative) - sphere.radius);
+        slot.far_side_m = std::min(slot.far_side_m, glm::length(relative) + sphere.radius);
       }
     }
   }
@@ -151,7 +151,7 @@ void MeshBatches::layOut(std::vector<MeshBatch>& batches, size_t& total, Part pa
 void MeshBatches::update(World& world, const FrameInput& input, const View& view, bool sun,
                          ShadowCasters& casters) {
   group(world);
-  for (MeshBatch& slot : slots_) slot.nearest_m = std::numeric_limits<float>::infinity();
+  for (MeshBatch& slot : slots_) slot.far_side_m = std::numeric_limits<float>::infinity();
   camera_ = view.position;
   previous_camera_ = view.previous_position;
   place(world, input, view, sun, casters);
@@ -159,9 +159,10 @@ void MeshBatches::update(World& world, const FrameInput& input, const View& view
   layOut(casting_still_, still_count_, Part::CastingStill);
   layOut(casting_moving_, moving_count_, Part::CastingMoving);
   noteStanding();
-  // Near surfaces first, so that the depth test saves shading what they hide.
+  // Near surfaces first, so that the depth test saves shading what they hide. By the spheres' far
+  // sides: what ends nearer hides what goes on behind it, and a ground around the camera comes last.
   std::sort(opaque_.begin(), opaque_.end(), [](const MeshBatch& a, const MeshBatch& b) {
-    return a.nearest_m != b.nearest_m ? a.nearest_m < b.nearest_m : a.first < b.first;
+    return a.far_side_m != b.far_side_m ? a.far_side_m < b.far_side_m : a.first < b.first;
   });
 }
 

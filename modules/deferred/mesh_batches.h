@@ -19,7 +19,7 @@ struct MeshBatch {
   bool mirrored = false;
   uint32_t first = 0;
   uint32_t count = 0;
-  float nearest_m = 0;  // distance from the camera to the nearest bounding sphere's surface
+  float far_side_m = 0;  // from the camera to the far side of the bounding sphere that ends nearest
   uint32_t slot = 0;    // internal: 2 * group + mirrored
 };
 
@@ -43,7 +43,7 @@ class MeshBatches {
   void update(World& world, const FrameInput& input, const View& view, bool sun,
               ShadowCasters& casters);
 
-  // Batches with something in view, nearest first, and how many records they take.
+  // Batches with something in view, by far_side_m, and how many records they take.
   std::span<const MeshBatch> opaque() const { return opaque_; }
   size_t opaqueCount() const { return opaque_count_; }
   void writeOpaque(std::span<rules::MeshInstanceRecord> records) const;
@@ -88,7 +88,7 @@ class MeshBatches {
   std::vector<Key> groups_;
   std::vector<uint32_t> group_of_row_;  // all tables one after the other; kNoGroup: not drawable
   std::vector<Placed> placed_;
-  std::vector<MeshBatch> slots_;  // two a group; nearest_m is of the frame, the rest scratch
+  std::vector<MeshBatch> slots_;  // two a group; far_side_m is of the frame, the rest scratch
   std::vector<MeshBatch> opaque_, casting_still_, casting_moving_;
   size_t opaque_count_ = 0, still_count_ = 0, moving_count_ = 0;
   std::vector<Standing> standing_, standing_before_;

@@ -4,14 +4,13 @@
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/state.h"
+#include "modules/deferred/mesh_array.h"
 #include "modules/deferred/state.h"
 
 namespace scree {
 namespace {
 
-constexpr int kFirstInstance = 0;  // uniform location
-
-gpu::Program opaqueProgram(uint32_t features) {
+gpu::Program opaqueProgram(uint32_t features, bool motion) {
   gpu::ProgramDesc desc{.name = "deferred.opaque", .vertex = "deferred/opaque.vert", .fragment = "deferred/opaque.frag"};
   const auto define = [&](uint32_t bits, const char* name) {
     if (features & bits) desc.defines.push_back(name);
@@ -23,32 +22,34 @@ gpu::Program opaqueProgram(uint32_t features) {
   define(kFeatureEmissiveMap, "EMISSIVE_MAP");
   define(kFeatureAlphaMask, "ALPHA_MASK");
   define(kFeatureDoubleSided, "DOUBLE_SIDED");
+  if (motion) desc.defines.push_back("MOTION");
   return gpu::Program(std::move(desc));
 }
 
 struct OpaquePass {
-  std::array<gpu::Program, kFeatureSets> programs;
-  std::array<bool, kFeatureSets> made{};
+  std::array<gpu::Program, 2 * kFeatureSets> programs;  // without and with motion
+  std::array<bool, 2 * kFeatureSets> made{};
+  MeshArray array{"deferred.opaque", 6, true, sizeof(rules::MeshInstanceRecord)};
 
-  gpu::Program& program(uint32_t features) {
-    if (!made[features]) programs[features] = opaqueProgram(features);
-    made[features] = true;
-    return programs[features];
+  gpu::Program& program(uint32_t features, bool motion) {
+    const uint32_t index = features + (motion ? kFeatureSets : 0);
+    if (!made[index]) programs[index] = opaqueProgram(features, motion);
+    made[index] = true;
+    return programs[index];
   }
-  void draw(DeferredState& state);
+  void draw(DeferredState& state, bool motion);
 };
 
-void OpaquePass::draw(DeferredState& state) {
+void OpaquePass::draw(DeferredState& state, bool motion) {
   MeshStore& meshes = state.world.singleton<MeshStore>();
   MaterialStore& materials = state.world.singleton<MaterialStore>();
-  meshes.vertexArray().bind();
-  state.opaque_records.bindStorage(rules::kInstancesBinding);
+  array.bind(meshes, state.opaque_records);
   gpu::DrawState draw_state;
   for (const MeshBatch& batch : state.batches.opaque()) {
     for (const MeshPart& part : meshes.mesh(batch.mesh).parts) {
       const uint32_t material = batch.material == MeshInstance::kOwnMaterials ? part.material : batch.material;
       const uint32_t features = state.materials.features(material);
-      gpu::Program& drawn_with = program(features);
+      gpu::Program& drawn_with = program(features, motion);
       if (!drawn_with.use()) continue;
       draw_state.cull = features & kFeatureDoubleSided ? gpu::Cull::None
                         : batch.mirrored               ? gpu::Cull::Front
@@ -56,10 +57,9 @@ void OpaquePass::draw(DeferredState& state) {
       gpu::apply(draw_state);
       state.materials.bind(material);
       if (features & kFeatureMaps) materials.bind(material);
-      drawn_with.set(kFirstInstance, batch.first);
       gpu::drawElementsInstanced(GL_TRIANGLES, static_cast<int>(part.index_count), GL_UNSIGNED_INT,
                                  size_t{part.first_index} * sizeof(uint32_t),
-                                 static_cast<int>(batch.count), part.base_vertex);
+                                 static_cast<int>(batch.count), part.base_vertex, batch.first);
     }
   }
 }
@@ -73,7 +73,9 @@ PassDesc opaquePass(const SharedState& state) {
           .needs_text = "a mesh instance in view",
           .needs = [state] { return state->batches.any() && state->batches.opaqueCount() > 0; },
           .uses = gbufferUses(),
-          .run = [state, pass](PassContext&) { pass->draw(*state); }};
+          .run = [state, pass](PassContext& context) {
+            pass->draw(*state, context.frame.isRead(kGbufferMotion));
+          }};
 }
 
 }  // namespace scree

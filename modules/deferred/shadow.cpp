@@ -4,13 +4,12 @@
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/state.h"
+#include "modules/deferred/mesh_array.h"
 #include "modules/deferred/shadow_fit.h"
 #include "modules/deferred/state.h"
 
 namespace scree {
 namespace {
-
-constexpr int kFirstInstance = 0;  // uniform location
 
 // What a map of still casters shows.
 struct Shown {
@@ -25,6 +24,7 @@ struct ShadowPass {
                        .vertex = "deferred/caster.vert",
                        .fragment = "deferred/caster_mask.frag",
                        .defines = {"ALPHA_MASK"}}};
+  MeshArray array{"deferred.shadow", 3, false, sizeof(rules::MeshCasterRecord)};
   // The still casters alone, as long as others are drawn into the shadow map itself.
   gpu::Texture kept_map;
   gpu::Framebuffer kept_target;
@@ -63,10 +63,9 @@ void ShadowPass::draw(DeferredState& state, const ShadowFit& fit, bool still) {
   if (count == 0 || !fit.enabled) return;
   const gpu::StreamSlice records = state.instances.allocate(count * sizeof(rules::MeshCasterRecord));
   batches.writeCasting(still, fit, {static_cast<rules::MeshCasterRecord*>(records.data), count});
-  records.bindStorage(rules::kInstancesBinding);
   MeshStore& meshes = state.world.singleton<MeshStore>();
   MaterialStore& materials = state.world.singleton<MaterialStore>();
-  meshes.vertexArray().bind();
+  array.bind(meshes, records);
   gpu::apply(shadowDrawState());
   for (const MeshBatch& batch : batches.casting(still)) {
     for (const MeshPart& part : meshes.mesh(batch.mesh).parts) {
@@ -78,10 +77,9 @@ void ShadowPass::draw(DeferredState& state, const ShadowFit& fit, bool still) {
         state.materials.bind(material);
         materials.bind(material);
       }
-      program.set(kFirstInstance, batch.first);
       gpu::drawElementsInstanced(GL_TRIANGLES, static_cast<int>(part.index_count), GL_UNSIGNED_INT,
                                  size_t{part.first_index} * sizeof(uint32_t),
-                                 static_cast<int>(batch.count), part.base_vertex);
+                                 static_cast<int>(batch.count), part.base_vertex, batch.first);
     }
   }
 }

@@ -54,8 +54,16 @@ PassDesc visiblePass(const SharedState& state) {
 }
 
 PassDesc drawPass(const SharedState& state) {
-  const auto program = std::make_shared<gpu::Program>(gpu::ProgramDesc{
-      .name = "grains.draw", .vertex = "grains/draw.vert", .fragment = "grains/draw.frag"});
+  struct Programs {
+    gpu::Program still{{.name = "grains.draw",
+                        .vertex = "grains/draw.vert",
+                        .fragment = "grains/draw.frag"}};
+    gpu::Program moving{{.name = "grains.draw_motion",
+                         .vertex = "grains/draw.vert",
+                         .fragment = "grains/draw.frag",
+                         .defines = {"MOTION"}}};
+  };
+  const auto programs = std::make_shared<Programs>();
   return {.name = "grains.draw",
           .stage = Stage::Geometry,
           .needs_text = "a grain in view",
@@ -64,8 +72,9 @@ PassDesc drawPass(const SharedState& state) {
           },
           .needs_content = {kVisibleTarget},
           .uses = gbufferUses({{kVisibleTarget, Access::Sampled}}),
-          .run = [state, program](PassContext& context) {
-            if (!program->use()) return;
+          .run = [state, programs](PassContext& context) {
+            const bool motion = context.frame.isRead(kGbufferMotion);
+            if (!(motion ? programs->moving : programs->still).use()) return;
             const DrawState& draw = state->draw;
             bind(draw);
             draw.spans.bindStorage(rules::kVisibleBinding);

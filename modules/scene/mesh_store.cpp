@@ -69,19 +69,21 @@ struct MeshStore::State {
     const bool indices_replaced = index_pool.upload("scene.indices", indices);
     if (!vertices_replaced && !indices_replaced) return;
     ++pool_version;
-    if (!vertex_array) {
-      vertex_array = gpu::VertexArray("scene.meshes");
-      const auto attribute = [&](int location, int components, size_t offset) {
-        vertex_array.attribute(static_cast<unsigned>(location), components, GL_FLOAT,
-                               static_cast<unsigned>(offset));
-      };
-      attribute(rules::kPositionAttribute, 3, offsetof(Vertex, position));
-      attribute(rules::kNormalAttribute, 3, offsetof(Vertex, normal));
-      attribute(rules::kTangentAttribute, 4, offsetof(Vertex, tangent));
-      attribute(rules::kUvAttribute, 2, offsetof(Vertex, uv));
-    }
-    vertex_array.vertexBuffer(0, vertex_pool.buffer, sizeof(Vertex));
-    vertex_array.indexBuffer(index_pool.buffer);
+    if (!vertex_array) vertex_array = gpu::VertexArray("scene.meshes");
+    attach(vertex_array);
+  }
+
+  void attach(gpu::VertexArray& array) const {
+    const auto attribute = [&](int location, int components, size_t offset) {
+      array.attribute(static_cast<unsigned>(location), components, GL_FLOAT,
+                      static_cast<unsigned>(offset));
+    };
+    attribute(rules::kPositionAttribute, 3, offsetof(Vertex, position));
+    attribute(rules::kNormalAttribute, 3, offsetof(Vertex, normal));
+    attribute(rules::kTangentAttribute, 4, offsetof(Vertex, tangent));
+    attribute(rules::kUvAttribute, 2, offsetof(Vertex, uv));
+    array.vertexBuffer(0, vertex_pool.buffer, sizeof(Vertex));
+    array.indexBuffer(index_pool.buffer);
   }
 };
 
@@ -144,6 +146,10 @@ std::span<const uint32_t> MeshStore::indices(const MeshPart& part) const {
 gpu::VertexArray& MeshStore::vertexArray() {
   state_->upload();
   return state_->vertex_array;
+}
+void MeshStore::attach(gpu::VertexArray& array) {
+  state_->upload();
+  state_->attach(array);
 }
 const gpu::Buffer& MeshStore::vertexBuffer() {
   state_->upload();

@@ -157,6 +157,10 @@ class MeshStore {
   // buffer bound. Creates the buffers at the first call, uploads what was added since the last.
   // Ends the program if the store is empty.
   gpu::VertexArray& vertexArray();
+  // Gives an array of a module's own the same vertices and indices; to be done again when
+  // poolVersion() has changed. Attributes from kFirstFreeAttribute up and buffer slots from 1 up are
+  // the module's.
+  void attach(gpu::VertexArray& array);
   // The buffers behind it, for a module with its own vertex array, uploaded likewise. They are
   // replaced when the pool grows: look again when poolVersion() has changed.
   const gpu::Buffer& vertexBuffer();

@@ -1,6 +1,6 @@
 // Metallic-roughness surfaces of glTF 2.0 into the G-buffer.
 // Defines: BASE_COLOR_MAP, METALLIC_ROUGHNESS_MAP, NORMAL_MAP, EMISSIVE_MAP (what the material has;
-// any of them: TEXTURED), ALPHA_MASK, DOUBLE_SIDED.
+// any of them: TEXTURED), ALPHA_MASK, DOUBLE_SIDED; MOTION: somebody reads it.
 #include "lib/gbuffer.glsl"
 #include "shared/mesh_instance.h"
 
@@ -19,7 +19,9 @@ layout(binding = kEmissiveMapUnit) uniform sampler2D emissive_map;
 #endif
 
 in vec3 normal_ws;
+#ifdef MOTION
 in vec3 previous_clip;
+#endif
 #ifdef NORMAL_MAP
 in vec4 tangent_ws;
 #endif
@@ -63,7 +65,11 @@ void main() {
   if (gl_FrontFacing == (mirrored != 0u)) n = -n;
 #endif
   s.normal_ws = n;
+#ifdef MOTION
   s.motion_px = motionFromPrevious(previous_clip, gl_FragCoord.z);
+#else
+  s.motion_px = vec2(0.0);
+#endif
   s.id = id;
   writeGbuffer(s);
 }

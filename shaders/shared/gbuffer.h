@@ -5,7 +5,8 @@
 //   gbuffer.normal    RGBA8           world normal, octahedral 12 + 12 bits | perceptual roughness
 //   gbuffer.emissive  R11F_G11F_B10F  emitted radiance
 //   gbuffer.motion    RG16F           where the point is on the screen now, minus where it was one
-//                                     frame ago, pixels, +x right, +y up, without jitter
+//                                     frame ago, pixels, +x right, +y up, without jitter; zero in
+//                                     frames in which nobody reads it
 //   gbuffer.id        R32UI           entity index + 1; 0 = nothing was drawn
 //   gbuffer.depth     DEPTH32F        reversed: near / distance along the view axis; 0 = nothing
 //
