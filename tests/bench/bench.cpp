@@ -126,7 +126,8 @@ Json Bench::json() const {
                     {"error", row.error},
                     {"error_kind", row.error_kind},
                     {"hash", hex(row.hash)},
-                    {"baseline", row.baseline}});
+                    {"baseline", row.baseline},
+                    {"measured", row.measured}});
   }
   for (const Claim& claim : claims_) {
     claims.push_back({{"name", claim.name},
@@ -158,6 +159,7 @@ std::string Bench::table() const {
       text += fmt::format("{}{} {:<28} {:>12.4f} {:>12.4g} {:<17} {}\n", best ? '*' : ' ',
                           rows[i].baseline ? 'b' : ' ', rows[i].label, rows[i].time_ms,
                           rows[i].error, hex(rows[i].hash), knobText(rows[i].knobs));
+      if (!rows[i].measured.empty()) text += fmt::format("      {}\n", knobText(rows[i].measured));
     }
   }
   text += "\n";

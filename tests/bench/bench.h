@@ -33,6 +33,8 @@ struct Row {
   std::string error_kind;  // what `error` measures, with its unit
   uint64_t hash = 0;       // of the result, so that faster is not just different
   bool baseline = false;   // what a user would pick instead
+  // Other results of the same run: name with unit -> value.
+  nlohmann::ordered_json measured = nlohmann::ordered_json::object();
 };
 
 // A promise, measured in this run; a ratio, so that it means the same on another machine.
