@@ -74,8 +74,9 @@ void addDeferred(App& app) {
   app.addPass({.name = "deferred.clear",
                .stage = Stage::Geometry,
                .uses = {{std::string(kGbufferId), Access::Clear}, {std::string(kGbufferDepth), Access::Clear}}});
-  app.addPass(opaquePass(state));
+  // Before the opaque pass: copying the kept shadows waits for the draws before it where a CPU draws.
   app.addPass(shadowPass(state));
+  app.addPass(opaquePass(state));
   app.addPass(lightPass(state));
   app.addPass(skyPass(state));
   app.addPass(accumulatePass(state));
