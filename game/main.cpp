@@ -23,9 +23,17 @@ int exitStatus(const scree::Status& status) {
 }
 
 // A number names a level of the game; anything else is a glTF file.
-fs::path levelPath(const std::string& level) {
-  const bool number = !level.empty() && level.find_first_not_of("0123456789") == std::string::npos;
-  return number ? scree::contentRoot() / "levels" / fmt::format("level{}.glb", level) : fs::path(level);
+scree::Result<fs::path> levelPath(const std::string& level) {
+  if (level.empty() || level.find_first_not_of("0123456789") != std::string::npos) return fs::path(level);
+  const auto numbered = [](std::string_view number) {
+    return scree::contentRoot() / "levels" / fmt::format("level{}.glb", number);
+  };
+  const fs::path path = numbered(level);
+  std::error_code ignored;
+  if (fs::exists(path, ignored)) return path;
+  int count = 0;
+  while (fs::exists(numbered(std::to_string(count + 1)), ignored)) ++count;
+  return scree::Error{fmt::format("--level {}: no such level; allowed are 1 to {}, or a glTF file", level, count)};
 }
 
 int play(scree::AppOptions options, const fs::path& level) {
@@ -41,8 +49,8 @@ int play(scree::AppOptions options, const fs::path& level) {
 
 int main(int argc, char** argv) {
   CLI::App cli{"Hourglass: shoulder the grains onto the scale before the time runs out.\n"
-               "W A S D or arrows walk, Q E turn the view, P pauses, R restarts, Esc quits; a "
-               "gamepad works too."};
+               "W A S D or arrows walk, Q E turn the view, P pauses, R restarts, F1 inspects, Esc "
+               "quits; a gamepad works too."};
   cli.set_version_flag("--version", SCREE_VERSION);
   std::string level = "1";
   cli.add_option("--level", level, "A level's number, or a glTF file (default 1)")
@@ -58,7 +66,9 @@ int main(int argc, char** argv) {
     return kBadInput;
   }
   try {
-    return play(std::move(options), levelPath(level));
+    scree::Result<fs::path> path = levelPath(level);
+    if (!path.ok()) return exitStatus(path.takeError());
+    return play(std::move(options), *path);
   } catch (const std::exception& error) {
     scree::logError("{}", error.what());
     return kFailed;

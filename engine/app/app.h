@@ -32,6 +32,7 @@ struct Simulation {
 // World singleton: a rule sets it to end the run.
 struct QuitRequest {
   bool requested = false;
+  std::string error;  // why the run fails, in a line; empty: it does not
 };
 
 class Run;

@@ -5,7 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <filesystem>
+#include <vector>
+
+#include "engine/core/file.h"
 
 namespace scree {
 namespace {
@@ -49,6 +54,14 @@ std::string parseTicks(const std::string& text, std::vector<uint64_t>& ticks) {
   return {};
 }
 
+// A path; an empty one is refused, not taken for "not given".
+void addPath(CLI::App& cli, const std::string& flag, const std::string& type,
+             const std::string& help, std::filesystem::path& path) {
+  cli.add_option(flag, path, help)->type_name(type)->check([](const std::string& text) {
+    return text.empty() ? std::string("is empty; allowed is a path") : std::string();
+  });
+}
+
 // A flag whose text a function turns into a value, or refuses with a reason.
 template <class Parse>
 void addParsed(CLI::App& cli, const std::string& flag, const std::string& type,
@@ -79,16 +92,14 @@ void addCommonFlags(CLI::App& cli, AppOptions& options) {
   cli.add_option("--threads", options.threads, "Threads of the simulation; 0: one per core")
       ->type_name("N")
       ->check(CLI::Range(0, kMaxThreads));
-  cli.add_option("--replay", options.replay, "Play recorded actions")->type_name("FILE");
-  cli.add_option("--record", options.record, "Record the actions of this run")->type_name("FILE");
-  cli.add_option("--bindings", options.bindings, "Keys and buttons of the actions, JSON")
-      ->type_name("FILE");
+  addPath(cli, "--replay", "FILE", "Play recorded actions", options.replay);
+  addPath(cli, "--record", "FILE", "Record the actions of this run", options.record);
+  addPath(cli, "--bindings", "FILE", "Keys and buttons of the actions, JSON", options.bindings);
   cli.add_option("--ticks", options.max_ticks, "End after this many ticks of 1/60 s")
       ->type_name("N")
       ->check(CLI::Range(uint64_t{1}, kMaxTicks));
 
-  cli.add_option("--capture", options.capture, "Write frames and a contact sheet to this folder")
-      ->type_name("DIR");
+  addPath(cli, "--capture", "DIR", "Write frames and a contact sheet to this folder", options.capture);
   addParsed(cli, "--frames", "LIST", "Ticks to capture, like 60,120",
             [&](const std::string& text) { return parseTicks(text, options.capture_frames); });
   cli.add_option("--every", options.capture_every, "Capture every N-th tick")
@@ -99,18 +110,45 @@ void addCommonFlags(CLI::App& cli, AppOptions& options) {
       ->type_name("N")
       ->check(CLI::Range(1, kMaxSamples));
 
-  cli.add_option("--hash-log", options.hash_log, "Write a line a tick: tick and state hash")
-      ->type_name("FILE");
-  cli.add_option("--stats", options.stats, "Write times and counts of the run, JSON")
-      ->type_name("FILE");
-  cli.add_option("--trace", options.trace, "Write a Chrome trace of systems and passes")
-      ->type_name("FILE");
+  addPath(cli, "--hash-log", "FILE", "Write a line a tick: tick and state hash", options.hash_log);
+  addPath(cli, "--stats", "FILE", "Write times and counts of the run, JSON", options.stats);
+  addPath(cli, "--trace", "FILE", "Write a Chrome trace of systems and passes", options.trace);
   cli.add_flag("--print-frame", options.print_frame,
                "At the end, print which passes of the frame are on, and why");
   cli.add_flag("--gl-debug", options.gl_debug, "Log messages of the GL driver");
 }
 
+namespace {
+
+// Files to be written: each in a place where one can be, and none of them another's, or read.
+Status checkOutputs(const AppOptions& options) {
+  struct Named {
+    const char* flag;
+    const std::filesystem::path& path;
+  };
+  const std::array<Named, 4> outputs{{{"--record", options.record},
+                                      {"--hash-log", options.hash_log},
+                                      {"--stats", options.stats},
+                                      {"--trace", options.trace}}};
+  std::vector<Named> taken{{"--replay", options.replay}, {"--bindings", options.bindings}};
+  for (const Named& output : outputs) {
+    if (output.path.empty()) continue;
+    if (Status status = checkOutputPath(output.path, output.flag); !status.ok()) return status;
+    for (const Named& other : taken) {
+      std::error_code ignored;
+      if (other.path == output.path || std::filesystem::equivalent(other.path, output.path, ignored))
+        return Error{fmt::format("{} and {} name the same file '{}'", other.flag, output.flag,
+                                 output.path.string())};
+    }
+    taken.push_back(output);
+  }
+  return Done{};
+}
+
+}  // namespace
+
 Status checkOptions(const AppOptions& options) {
+  if (Status status = checkOutputs(options); !status.ok()) return status;
   const bool picks = !options.capture_frames.empty() || options.capture_every > 0;
   if (options.capture.empty()) {
     if (picks) return Error{"--frames and --every need --capture DIR"};

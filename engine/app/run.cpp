@@ -46,7 +46,15 @@ class Run {
     const double start = now();
     Status status = inRealTime() ? playRealTime() : playLockstep();
     if (!status.ok()) return status;
-    return finish(now() - start);
+    // What was asked for is written even if the run goes on to fail.
+    if (Status written = finish(now() - start); !written.ok()) return written;
+    const std::string& error = app_.world().singleton<QuitRequest>().error;
+    if (!error.empty()) return Error{error, ErrorKind::Failure};
+    if (const int broken = gpu::brokenPrograms(); broken > 0)
+      return Error{fmt::format("{} shader programs did not compile: the pictures lack what they draw",
+                               broken),
+                   ErrorKind::Failure};
+    return Done{};
   }
 
  private:

@@ -187,8 +187,21 @@ void warnUnknown(const std::string& name, std::string_view where) {
   static std::set<std::string> known;
   const std::lock_guard lock(mutex);
   // A hostile file may hold any number of names.
-  if (known.size() < 1000 && known.insert(name).second)
-    logWarning("{}: extras: {}: no component has this name; ignored", where, gltf::printable(name));
+  constexpr size_t kMostWarnings = 8;
+  if (known.size() == kMostWarnings || !known.insert(name).second) return;
+  logWarning("{}: extras: {}: no component has this name; ignored{}", where, gltf::printable(name),
+             known.size() == kMostWarnings ? ", as are further ones" : "");
+}
+
+// What the component says of the value that the file gives it.
+std::string faultOf(const ParsedExtras::Value& value) {
+  const ComponentInfo& info = *value.component;
+  if (info.fault == nullptr) return {};
+  std::vector<std::byte> bytes(info.size);
+  std::memcpy(bytes.data(), info.default_value, info.size);
+  for (const ParsedExtras::Patch& patch : value.patches)
+    std::memcpy(bytes.data() + patch.offset, patch.bytes.data(), patch.bytes.size());
+  return info.fault(bytes.data());
 }
 
 }  // namespace
@@ -223,6 +236,8 @@ Result<ParsedExtras> parseExtras(const json& extras, std::string_view where,
         return Error{fmt::format("{}: extras: {}: {} = {}: {}", where, name, field_name,
                                  gltf::valueText(field_value), read.error())};
     }
+    if (const std::string wrong = faultOf(value); !wrong.empty())
+      return Error{fmt::format("{}: extras: {}: {}", where, name, wrong)};
     parsed.values.push_back(std::move(value));
   }
   return parsed;

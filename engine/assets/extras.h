@@ -46,7 +46,7 @@ using FindNode = std::function<Entity(std::string_view name)>;
 
 // `where` begins every message: "level.glb: node 4 \"scale\"". Keys that are no component's name
 // are ignored, with one warning a name and process (artists' tools store their own extras); so are
-// extras that are no object. Wrong types, unknown fields, values out of a field's range, numbers
+// extras that are no object. Values that the component's own fault() refuses, wrong types, unknown fields, values out of a field's range, numbers
 // that are not finite, and nodes that do not exist are errors.
 Result<ParsedExtras> parseExtras(const nlohmann::json& extras, std::string_view where,
                                  const CountNodes& count_nodes = {});

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "engine/core/file.h"
+#include "engine/core/json_depth.h"
 
 namespace scree::gltf {
 namespace fs = std::filesystem;
@@ -66,27 +67,6 @@ Result<Chunks> splitGlb(const std::string& file, const std::vector<uint8_t>& byt
 
 // The parser and the destructor of the JSON library survive any depth; those who walk the tree by
 // recursion do not.
-Status checkDepth(const std::string& file, std::string_view text, int max_depth) {
-  int depth = 0;
-  bool in_string = false;
-  for (size_t at = 0; at < text.size(); ++at) {
-    const char c = text[at];
-    if (in_string) {
-      if (c == '\\') ++at;
-      if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > max_depth)
-        return Error{
-            fmt::format("{}: JSON: nested deeper than {} at byte {}", file, max_depth, at)};
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return Done{};
-}
-
 }  // namespace
 
 Result<Document> readDocument(const fs::path& path, const GltfLimits& limits) {
@@ -109,8 +89,9 @@ Result<Document> readDocument(const fs::path& path, const GltfLimits& limits) {
   } else if (path.extension() == ".glb") {
     return Error{fmt::format("{}: GLB header: magic is not 'glTF'", file)};
   }
-  if (Status depth = checkDepth(file, text, limits.max_json_depth); !depth.ok())
-    return depth.takeError();
+  if (const size_t at = findTooDeep(text, limits.max_json_depth); at != std::string_view::npos)
+    return Error{fmt::format("{}: JSON: nested deeper than {} at byte {}", file,
+                             limits.max_json_depth, at)};
   try {
     document.json = json::parse(text);
   } catch (const json::exception& error) {

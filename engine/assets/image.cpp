@@ -48,7 +48,8 @@ Status write(const fs::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc t
              const void* pixels) {
   return writeThenRename(path, [&](const fs::path& temporary) -> Status {
     const auto refuse = [&](const std::string& why) {
-      return Error{fmt::format("{}: cannot write: {}", path.string(), oneLine(why))};
+      return Error{fmt::format("{}: cannot write: {}", path.string(), oneLine(why)),
+                   ErrorKind::Failure};
     };
     auto output = OIIO::ImageOutput::create(temporary.string());
     if (!output) return refuse(OIIO::geterror());

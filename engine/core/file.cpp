@@ -10,6 +10,8 @@
 #include <fstream>
 #include <utility>
 
+#include "engine/core/hash.h"
+
 namespace scree {
 namespace fs = std::filesystem;
 namespace {
@@ -61,32 +63,62 @@ Result<std::vector<uint8_t>> readBytes(const fs::path& path, uint64_t max_bytes)
 }
 
 fs::path temporaryPath(const fs::path& path) {
+  // Short, since a name that is as long as may be leaves no room for more.
+  const uint64_t name = hashBytes(path.c_str(), path.native().size());
   fs::path temporary = path;
   temporary.replace_filename(
-      fmt::format(".{}.{}{}", path.stem().string(), getpid(), path.extension().string()));
+      fmt::format(".{:08x}.{}{}", name >> 32, getpid(), path.extension().string()));
   return temporary;
 }
 
-Status renameInto(const fs::path& temporary, const fs::path& path) {
+fs::path behindLink(const fs::path& path) {
   std::error_code code;
-  fs::rename(temporary, path, code);
-  if (!code) return Done{};
+  if (!fs::is_symlink(path, code) || code) return path;
+  const fs::path behind = fs::weakly_canonical(path, code);
+  return code ? path : behind;
+}
+
+Status checkOutputPath(const fs::path& path, std::string_view what) {
+  const auto refuse = [&](std::string_view why) {
+    return Error{fmt::format("{}: '{}': {}", what, path.string(), why)};
+  };
+  if (path.empty()) return refuse("allowed is the path of a file");
   std::error_code ignored;
+  const fs::path target = behindLink(path);
+  if (fs::is_directory(target, ignored) || !target.has_filename()) return refuse("is a folder");
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored)) return refuse("there is no such folder");
+  if (access(folder.c_str(), W_OK) != 0) return refuse("the folder cannot be written to");
+  return Done{};
+}
+
+Status renameInto(const fs::path& temporary, const fs::path& path) {
+  std::error_code code, ignored;
+  const fs::file_status old = fs::status(path, ignored);
+  if (fs::exists(old) && !fs::is_regular_file(old))
+    code = std::make_error_code(std::errc::not_supported);
+  else
+    fs::rename(temporary, path, code);
+  if (!code) return Done{};
   fs::remove(temporary, ignored);
   return Error{fmt::format("{}: cannot write: {}", path.string(), code.message()),
                ErrorKind::Failure};
 }
 
 Status writeFile(const fs::path& path, std::string_view content) {
-  return writeThenRename(path, [&](const fs::path& temporary) -> Status {
-    std::ofstream stream(temporary, std::ios::binary);
+  const auto write = [&](const fs::path& to) -> Status {
+    std::ofstream stream(to, std::ios::binary);
     stream.write(content.data(), static_cast<std::streamsize>(content.size()));
     stream.close();
     if (!stream)
       return Error{fmt::format("{}: cannot write: {}", path.string(), std::strerror(errno)),
                    ErrorKind::Failure};
     return Done{};
-  });
+  };
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return fs::is_character_file(status) || fs::is_fifo(status) ? write(path)
+                                                              : writeThenRename(path, write);
 }
 
 fs::path shaderRoot() {

@@ -19,10 +19,11 @@ Result<std::string> readText(const std::filesystem::path& path, uint64_t max_byt
 Result<std::vector<uint8_t>> readBytes(const std::filesystem::path& path,
                                        uint64_t max_bytes = kMaxFileBytes);
 
-// Writes beside the target, then renames; on an error the old file stays as it was.
+// Writes beside the target, then renames; on an error the old file stays as it was. A link stays a
+// link; into a device or a pipe it writes without renaming.
 Status writeFile(const std::filesystem::path& path, std::string_view content);
 // Calls write(temporary path), then renames to `path`; for libraries that write files themselves.
-// The temporary path keeps the extension of `path`.
+// The temporary path keeps the extension of `path`. Refuses to replace what is no regular file.
 template <class Write>
 Status writeThenRename(const std::filesystem::path& path, Write&& write);
 
@@ -35,12 +36,19 @@ std::filesystem::path contentRoot();
 // installed package (its CMake variable scree_DATA_DIR). Empty: back to the default.
 void setDataRoot(std::filesystem::path folder);
 
+// An error if a file cannot be written at `path` later: an empty name, a folder, no folder to be in.
+// `what` begins the line: "--stats".
+Status checkOutputPath(const std::filesystem::path& path, std::string_view what);
+
+// The file behind a link, which need not exist; any other path as it is.
+std::filesystem::path behindLink(const std::filesystem::path& path);
 // The temporary path that writeThenRename writes to.
 std::filesystem::path temporaryPath(const std::filesystem::path& path);
 Status renameInto(const std::filesystem::path& temporary, const std::filesystem::path& path);
 
 template <class Write>
-Status writeThenRename(const std::filesystem::path& path, Write&& write) {
+Status writeThenRename(const std::filesystem::path& link, Write&& write) {
+  const std::filesystem::path path = behindLink(link);
   const std::filesystem::path temporary = temporaryPath(path);
   if (Status written = write(temporary); !written.ok()) {
     std::error_code ignored;

@@ -4,10 +4,15 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <string>
 
 namespace scree {
 namespace {
+
+// Bytes of a line that are written; what is longer is cut.
+constexpr size_t kMaxLine = 2000;
 
 spdlog::logger& logger() {
   static spdlog::logger instance = [] {
@@ -33,7 +38,12 @@ spdlog::level::level_enum toSpdlog(LogLevel level) {
 void setLogLevel(LogLevel level) { logger().set_level(toSpdlog(level)); }
 
 void logLine(LogLevel level, std::string_view line) {
-  logger().log(toSpdlog(level), spdlog::string_view_t(line.data(), line.size()));
+  std::string shown(line.substr(0, kMaxLine));
+  if (line.size() > kMaxLine) shown += "...";
+  // Names and values from files and flags may hold what moves a terminal's cursor.
+  std::replace_if(
+      shown.begin(), shown.end(), [](unsigned char c) { return c < 32 || c == 127; }, '?');
+  logger().log(toSpdlog(level), shown);
 }
 
 void fail(std::string_view line) {

@@ -1,4 +1,4 @@
-// One-line messages to standard error; {fmt} format strings.
+// One-line messages to standard error; {fmt} format strings. Control characters become '?'.
 #pragma once
 
 #include <fmt/format.h>

@@ -3,9 +3,13 @@
 //
 //   struct Grain { float radius_m = 0.05f; float mass_kg = 1; };
 //   SCREE_COMPONENT(Grain, (radius_m, "m"), (mass_kg, "kg"))
+//
+// A function `std::string fault(const Grain&)`, declared before that line, says what is wrong with a
+// value that comes from a file, with field, value and what is allowed; empty: nothing.
 #pragma once
 
 #include <span>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -38,6 +42,7 @@ struct ComponentInfo {
   bool has_entities = false;      // some field is an Entity
   std::vector<FieldInfo> fields;  // in the order of the SCREE_COMPONENT line
   const void* default_value = nullptr;  // T{}
+  std::string (*fault)(const void* value) = nullptr;  // null: every value is allowed
 
   // Where the values are, without padding and texts: in the order of offsets, adjacent fields
   // merged.
@@ -111,6 +116,8 @@ const ComponentInfo& registerType(std::string_view name, bool transient,
   info.transient = transient;
   info.fields = fields;
   info.default_value = &default_value;
+  if constexpr (requires(const T& value) { fault(value); })
+    info.fault = [](const void* value) { return fault(*static_cast<const T*>(value)); };
   return registerComponent(std::move(info));
 }
 

@@ -306,6 +306,13 @@ bool Program::reload() {
   return state_ && ProgramAccess::reload(*state_);
 }
 
+int brokenPrograms() {
+  const auto& live = ProgramAccess::live();
+  return static_cast<int>(std::count_if(live.begin(), live.end(), [](const Program::State* state) {
+    return state->attempted && state->linked.id == 0;
+  }));
+}
+
 int reloadPrograms() {
   int replaced = 0;
   for (Program::State* state : ProgramAccess::live())

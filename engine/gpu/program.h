@@ -75,6 +75,7 @@ class Program {
 
  private:
   friend int reloadPrograms();
+  friend int brokenPrograms();
   friend struct ProgramAccess;
   struct State;
   std::unique_ptr<State> state_;
@@ -83,5 +84,8 @@ class Program {
 // Reloads every live, compiled program whose sources changed (by time stamp and size); returns how
 // many new programs are in place. Costs one stat a source file: call it about once a second.
 int reloadPrograms();
+
+// Live programs that were asked for and have never compiled: what they draw is missing.
+int brokenPrograms();
 
 }  // namespace scree::gpu

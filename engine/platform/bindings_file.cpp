@@ -7,6 +7,7 @@
 #include <set>
 
 #include "engine/core/file.h"
+#include "engine/core/json_depth.h"
 #include "engine/platform/input.h"
 
 namespace scree {
@@ -16,6 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kBindingsVersion = 1;
 constexpr uint64_t kMaxBindingsBytes = 1 << 20;
+constexpr int kMaxBindingsDepth = 16;  // 4 are used
 
 // A value as the file has it, short enough for one line.
 std::string shown(const Json& value) {
@@ -27,6 +29,8 @@ std::string shown(const Json& value) {
 
 // `text` as JSON with every key once an object, or the reason with its line.
 Result<Json> parseJson(std::string_view text, std::string_view file) {
+  if (const size_t at = findTooDeep(text, kMaxBindingsDepth); at != std::string_view::npos)
+    return Error{fmt::format("{}: nested deeper than {} at byte {}", file, kMaxBindingsDepth, at)};
   std::vector<std::set<std::string>> keys;
   std::string twice;
   const auto see = [&](int, Json::parse_event_t event, Json& value) {

@@ -44,7 +44,7 @@ void control(World& world) {
     // The file was good when the run began; if it no longer is, the run ends rather than going on
     // in an empty world.
     if (Status status = loadLevel(world, world.singleton<Level>().path); !status.ok())
-      fail(status.error());
+      world.singleton<QuitRequest>() = {true, status.error()};
   }
 }
 

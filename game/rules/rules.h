@@ -22,6 +22,7 @@ struct Creature {
   float plough_width_m = 1.6f;  // tip to tip
   float height_m = 0.9f;
 };
+std::string fault(const Creature& creature);
 SCREE_COMPONENT(Creature, (walk_speed_m_s, "m/s"), (turn_speed_rad_s, "rad/s"),
                 (plough_width_m, "m"), (height_m, "m"));
 
@@ -31,12 +32,14 @@ struct CreatureMotion {
   vec2 heading{0, 1};     // unit, (x, z): where it faces
   bool grounded = false;
 };
+std::string fault(const CreatureMotion& motion);
 SCREE_COMPONENT(CreatureMotion, (velocity, "m/s"), (heading, ""), (grounded, ""));
 
 // A capsule of the plough: keeps the creature's Transform.
 struct PloughPart {
   Entity creature = Entity::kNone;
 };
+std::string fault(const PloughPart& part);
 SCREE_COMPONENT(PloughPart, (creature, ""));
 
 // A camera that keeps behind its target.
@@ -47,6 +50,7 @@ struct FollowCamera {
   float height_m = 3.4f;
   float look_ahead_m = 1.2f;
 };
+std::string fault(const FollowCamera& camera);
 SCREE_COMPONENT(FollowCamera, (target, ""), (heading, ""), (distance_m, "m"), (height_m, "m"),
                 (look_ahead_m, "m"));
 
@@ -55,17 +59,20 @@ struct Scale {
   float target_kg = 1000;
   float hold_s = 1;        // the target must be shown for this long
 };
+std::string fault(const Scale& scale);
 SCREE_COMPONENT(Scale, (target_kg, "kg"), (hold_s, "s"));
 
 struct ScaleReading {
   float mass_kg = 0;  // smoothed
   float held_s = 0;   // for how long it has been at the target
 };
+std::string fault(const ScaleReading& reading);
 SCREE_COMPONENT(ScaleReading, (mass_kg, "kg"), (held_s, "s"));
 
 struct LevelRules {
   float time_limit_s = 120;
 };
+std::string fault(const LevelRules& rules);
 SCREE_COMPONENT(LevelRules, (time_limit_s, "s"));
 
 enum class MatchState : uint32_t { Playing, Won, Lost };

@@ -45,13 +45,15 @@ Collider place(const GrainsState& state, Entity entity, Shape shape, const Trans
   return collider;
 }
 
-// What every collider must satisfy; a size of its shape as `size`, which must be finite and >= 0.
-bool usable(const Collider& collider, vec3 size) {
-  return collider.friction >= 0 && std::isfinite(collider.friction) &&
-         collider.rolling_friction >= 0 && std::isfinite(collider.rolling_friction) &&
-         collider.restitution >= 0 && collider.restitution <= 1 &&
-         finite(collider.surface_velocity) && finite(size) && size.x >= 0 && size.y >= 0 &&
-         size.z >= 0 && size.x < 1e9f && size.y < 1e9f && size.z < 1e9f;
+// The sizes of a shape in the world, after scaling.
+bool sized(vec3 size) { return size.x < 1e9f && size.y < 1e9f && size.z < 1e9f; }
+
+template <class Component>
+std::string faultIn(const Transform& transform, const Component& component, vec3 size) {
+  if (std::string wrong = fault(component); !wrong.empty()) return wrong;
+  if (!placeable(transform)) return "its Transform must be finite, with a unit rotation";
+  if (!sized(size)) return "scaled, it must be smaller than 1e9 m";
+  return {};
 }
 
 }  // namespace
@@ -59,30 +61,24 @@ bool usable(const Collider& collider, vec3 size) {
 void gatherColliders(GrainsState& state, const dvec3& origin, float dt) {
   state.colliders.clear();
   state.collider_entities.clear();
-  const auto refuse = [&](Entity entity, const char* shape) {
-    std::vector<Entity>& known = state.refused_colliders;
-    if (std::find(known.begin(), known.end(), entity) != known.end()) return;
-    known.push_back(entity);
-    logWarning("grains.step: {} of entity {} refused: its sizes, frictions and pose must be finite "
-               "and not negative, its restitution 0 to 1",
-               shape, entity.index);
-  };
-  const auto add = [&](Entity entity, const Transform& transform, const Collider& collider,
-                       vec3 size, const char* shape) {
-    if (!placeable(transform) || !usable(collider, size)) {
-      refuse(entity, shape);
-      return;
+  size_t refused = 0;
+  const auto add = [&](Entity entity, const Transform& transform, const auto& component,
+                       const Collider& collider, vec3 size, const char* shape) {
+    const std::string wrong = faultIn(transform, component, size);
+    if (wrong.empty()) {
+      state.colliders.push_back(collider);
+    } else if (refused++ == 0 && state.refused_colliders == 0) {
+      logWarning("grains.step: {} of {} refused: {}", shape, nameOf(state.world, entity), wrong);
     }
-    state.colliders.push_back(collider);
   };
   state.planes.each([&](Entity entity, const Transform& transform, const PlaneCollider& plane) {
-    add(entity, transform, place(state, entity, Shape::Plane, transform, plane, origin, dt),
+    add(entity, transform, plane, place(state, entity, Shape::Plane, transform, plane, origin, dt),
         vec3(0), "PlaneCollider");
   });
   state.boxes.each([&](Entity entity, const Transform& transform, const BoxCollider& box) {
     Collider collider = place(state, entity, Shape::Box, transform, box, origin, dt);
     collider.half_extent = box.half_extent * glm::abs(transform.scale);
-    add(entity, transform, collider, collider.half_extent, "BoxCollider");
+    add(entity, transform, box, collider, collider.half_extent, "BoxCollider");
   });
   state.capsules.each([&](Entity entity, const Transform& transform, const CapsuleCollider& capsule) {
     Collider collider = place(state, entity, Shape::Capsule, transform, capsule, origin, dt);
@@ -90,10 +86,12 @@ void gatherColliders(GrainsState& state, const dvec3& origin, float dt) {
     collider.b = capsule.b * transform.scale;
     const vec3 scale = glm::abs(transform.scale);
     collider.radius = capsule.radius * std::max({scale.x, scale.y, scale.z});
-    add(entity, transform, collider, vec3(glm::length(collider.a), glm::length(collider.b),
-                                          collider.radius),
-        "CapsuleCollider");
+    add(entity, transform, capsule, collider,
+        vec3(glm::length(collider.a), glm::length(collider.b), collider.radius), "CapsuleCollider");
   });
+  if (refused > 1 && refused > state.refused_colliders)
+    logWarning("grains.step: {} colliders refused, the first is named above", refused);
+  state.refused_colliders = refused;
   // By key: the order of tables and rows must not show in the results.
   std::sort(state.colliders.begin(), state.colliders.end(),
             [](const Collider& a, const Collider& b) { return a.key < b.key; });

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "engine/core/math.h"
 #include "engine/core/result.h"
@@ -26,29 +27,34 @@ struct Grain {
   vec3 position{0};
   float radius = 0.05f;
 };
+std::string fault(const Grain& value);
 SCREE_COMPONENT(Grain, (position, "m"), (radius, "m"));
 
 struct GrainVelocity {
   vec3 linear{0};
 };
+std::string fault(const GrainVelocity& value);
 SCREE_COMPONENT(GrainVelocity, (linear, "m/s"));
 
 // Angular velocity, world axes.
 struct GrainSpin {
   vec3 angular{0};
 };
+std::string fault(const GrainSpin& value);
 SCREE_COMPONENT(GrainSpin, (angular, "rad/s"));
 
 // world_from_local rotation.
 struct GrainOrientation {
   quat rotation{1, 0, 0, 0};
 };
+std::string fault(const GrainOrientation& value);
 SCREE_COMPONENT(GrainOrientation, (rotation, ""));
 
 // Position one tick ago, relative to the field's origin: interpolation and motion vectors.
 struct GrainPrevious {
   vec3 position{0};
 };
+std::string fault(const GrainPrevious& value);
 SCREE_COMPONENT(GrainPrevious, (position, "m"));
 
 // Two touching bodies use the geometric mean of their frictions and the larger of their
@@ -59,6 +65,7 @@ struct GrainMaterial {
   float rolling_friction = 0;  // rolling torque / (normal force x radius), at least 0
   float restitution = 0;       // 0 to 1
 };
+std::string fault(const GrainMaterial& value);
 SCREE_COMPONENT(GrainMaterial, (density, "kg/m^3"), (friction, ""), (rolling_friction, ""),
                 (restitution, ""));
 
@@ -66,6 +73,7 @@ struct GrainLook {
   vec3 color{0.76f, 0.6f, 0.38f};  // linear albedo
   float roughness = 0.8f;
 };
+std::string fault(const GrainLook& value);
 SCREE_COMPONENT(GrainLook, (color, ""), (roughness, ""));
 
 // ---- The field: one entity of a world carries it; made with these defaults if there is none.
@@ -86,6 +94,7 @@ struct GrainField {
   uint64_t lost = 0;     // grains that left the bounds
   uint64_t refused = 0;  // grains or blocks with a radius, density or other number not allowed
 };
+std::string fault(const GrainField& value);
 SCREE_COMPONENT(GrainField, (origin, "m"), (placed, ""), (gravity, "m/s^2"), (substeps, ""),
                 (passes, ""), (damping, "1/s"), (bounds_min, "m"), (bounds_max, "m"), (lost, ""),
                 (refused, ""));
@@ -106,6 +115,7 @@ struct GrainBlock {
   float color_jitter = 0.15f;      // brightness varies by up to this fraction, 0 to 1
   float roughness = 0.8f;
 };
+std::string fault(const GrainBlock& value);
 SCREE_COMPONENT(GrainBlock, (count, ""), (radius, "m"), (radius_jitter, ""), (spacing, "m"),
                 (seed, ""), (density, "kg/m^3"), (friction, ""), (rolling_friction, ""),
                 (restitution, ""), (color, ""), (color_jitter, ""), (roughness, ""));
@@ -128,6 +138,7 @@ struct PlaneCollider {
   float restitution = 0;
   vec3 surface_velocity{0};  // local axes: a conveyor belt
 };
+std::string fault(const PlaneCollider& value);
 SCREE_COMPONENT(PlaneCollider, (friction, ""), (rolling_friction, ""), (restitution, ""),
                 (surface_velocity, "m/s"));
 
@@ -138,6 +149,7 @@ struct BoxCollider {
   float restitution = 0;
   vec3 surface_velocity{0};
 };
+std::string fault(const BoxCollider& value);
 SCREE_COMPONENT(BoxCollider, (half_extent, "m"), (friction, ""), (rolling_friction, ""),
                 (restitution, ""), (surface_velocity, "m/s"));
 
@@ -151,6 +163,7 @@ struct CapsuleCollider {
   float restitution = 0;
   vec3 surface_velocity{0};
 };
+std::string fault(const CapsuleCollider& value);
 SCREE_COMPONENT(CapsuleCollider, (a, "m"), (b, "m"), (radius, "m"), (friction, ""),
                 (rolling_friction, ""), (restitution, ""), (surface_velocity, "m/s"));
 
@@ -159,6 +172,7 @@ struct ColliderPose {
   dvec3 position{0};
   quat rotation{1, 0, 0, 0};
 };
+std::string fault(const ColliderPose& value);
 SCREE_COMPONENT(ColliderPose, (position, "m"), (rotation, ""));
 
 // ---- Sensors.
@@ -177,6 +191,7 @@ struct RegionSensor {
   uint32_t count = 0;
   float mass = 0;
 };
+std::string fault(const RegionSensor& value);
 SCREE_COMPONENT(RegionSensor, (half_extent, "m"), (count, ""), (mass, "kg"));
 
 // World singleton, filled by grains.step: counts of the last tick, for tests, benches, overlays.

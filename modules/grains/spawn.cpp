@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "engine/core/log.h"
 #include "engine/core/random.h"
@@ -18,36 +19,12 @@ struct FoundBlock {
   Transform transform;
 };
 
-bool within(float value, float low, float high) { return value >= low && value <= high; }
-
-// What is wrong with a block, with the value and what is allowed; empty: nothing.
-std::string fault(const GrainBlock& block, size_t grains_so_far) {
-  double total = 1;
-  for (const int32_t n : block.count) {
-    if (n < 0) return fmt::format("count {} is negative", n);
-    total *= n;
-  }
+// What is wrong with a block in a world that has `grains_so_far`; empty: nothing.
+std::string faultIn(const GrainBlock& block, size_t grains_so_far) {
+  if (std::string wrong = fault(block); !wrong.empty()) return wrong;
+  const double total = 1.0 * block.count[0] * block.count[1] * block.count[2];
   if (total + static_cast<double>(grains_so_far) > kMaxGrains)
-    return fmt::format("{} grains beside {}: a world holds {}", total, grains_so_far, kMaxGrains);
-  if (!within(block.radius_jitter, 0, 0.9f))
-    return fmt::format("radius_jitter {}: allowed 0 to 0.9", block.radius_jitter);
-  if (!within(block.radius * (1 - block.radius_jitter), kLeastRadius, kMostRadius) ||
-      !within(block.radius * (1 + block.radius_jitter), kLeastRadius, kMostRadius))
-    return fmt::format("radius {}: allowed {} to {} m", block.radius, kLeastRadius, kMostRadius);
-  const float diameter = 2 * block.radius * (1 + block.radius_jitter);
-  if (block.spacing != 0 && !within(block.spacing, diameter, 1e6f))
-    return fmt::format("spacing {}: allowed 0, or at least the largest diameter {} m",
-                       block.spacing, diameter);
-  if (!within(block.density, kLeastDensity, kMostDensity))
-    return fmt::format("density {}: allowed {} to {} kg/m^3", block.density, kLeastDensity,
-                       kMostDensity);
-  if (!within(block.friction, 0, 1000) || !within(block.rolling_friction, 0, 1000))
-    return fmt::format("friction {}, rolling_friction {}: allowed 0 to 1000", block.friction,
-                       block.rolling_friction);
-  if (!within(block.restitution, 0, 1))
-    return fmt::format("restitution {}: allowed 0 to 1", block.restitution);
-  if (!within(block.color_jitter, 0, 1))
-    return fmt::format("color_jitter {}: allowed 0 to 1", block.color_jitter);
+    return fmt::format("{} grains beside {}; a world holds {}", total, grains_so_far, kMaxGrains);
   return {};
 }
 
@@ -107,18 +84,26 @@ void spawnBlocks(GrainsState& state) {
   }
   const dvec3 origin = field.origin;
   for (const FoundBlock& block : found) {
-    if (const std::string wrong = fault(block.block, state.grains.count()); !wrong.empty()) {
-      logWarning("grains.spawn: block of entity {} refused: {}", block.entity.index, wrong);
-      ++refused;
+    if (const std::string wrong = faultIn(block.block, state.grains.count()); !wrong.empty()) {
+      if (refused++ == 0)
+        logWarning("grains.spawn: GrainBlock of {} refused: {}", nameOf(world, block.entity), wrong);
     } else {
       spawnBlock(world, block, origin);
     }
     world.remove<GrainBlock>(block.entity);
   }
+  if (refused > 1) logWarning("grains.spawn: {} blocks refused, the first is named above", refused);
   grainField(world).refused += refused;
 }
 
 }  // namespace
+
+std::string nameOf(const World& world, Entity entity) {
+  const Name* name = world.peek<Name>(entity);
+  return name != nullptr && name->text[0] != 0
+             ? fmt::format("\"{}\"", std::string_view(name->text, strnlen(name->text, sizeof name->text)))
+             : fmt::format("entity {}", entity.index);
+}
 
 SystemDesc spawnSystem(const SharedState& state) {
   return {.name = "grains.spawn",

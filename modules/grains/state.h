@@ -35,7 +35,7 @@ struct GrainsState {
   std::vector<GrainRows> tables;
   std::vector<Collider> colliders;
   std::vector<Entity> collider_entities;  // of colliders[k]
-  std::vector<Entity> refused_colliders;  // complained about already
+  size_t refused_colliders = 0;  // in the last tick
   bool stepped = false;  // with grains, in the last tick: sensors hold what they did
 
   DrawState draw;
@@ -50,6 +50,8 @@ PassDesc visiblePass(const SharedState& state);     // draw.cpp
 PassDesc drawPass(const SharedState& state);        // draw.cpp
 PassDesc shadowPass(const SharedState& state);      // draw.cpp
 
+// An entity as a message names it: by its Name if it has one.
+std::string nameOf(const World& world, Entity entity);  // spawn.cpp
 // Fills state.colliders with the world's colliders over the tick, by key; `origin`: the field's.
 void gatherColliders(GrainsState& state, const dvec3& origin, float dt);  // gather_colliders.cpp
 // Notes where the colliders are, for the next tick.

@@ -1,5 +1,8 @@
 // Whole-file reading and writing.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -61,6 +64,33 @@ TEST_F(File, AFailedWriteKeepsTheOldFile) {
   EXPECT_NE(used, path);
   EXPECT_EQ(readText(path).value(), "old");
   EXPECT_EQ(filesInFolder(), 1u);
+}
+
+TEST_F(File, LinksStayLinksAndPipesStayPipes) {
+  const fs::path real = folder / "real.txt", link = folder / "link.txt", pipe = folder / "pipe";
+  fs::create_symlink(real, link);
+  ASSERT_TRUE(writeFile(link, "through").ok());
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(readText(real).value(), "through");
+
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_TRUE(writeFile(pipe, "flow").ok());
+  char text[5] = {};
+  EXPECT_EQ(read(reader, text, 4), 4);
+  EXPECT_STREQ(text, "flow");
+  close(reader);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_FALSE(writeThenRename(pipe, [](const fs::path& to) { return writeFile(to, "x"); }).ok());
+  EXPECT_TRUE(fs::is_fifo(pipe));
+}
+
+TEST_F(File, OutputPathsAreCheckedBeforehand) {
+  EXPECT_TRUE(checkOutputPath(folder / "new.txt", "--out").ok());
+  EXPECT_FALSE(checkOutputPath("", "--out").ok());
+  EXPECT_FALSE(checkOutputPath(folder, "--out").ok());
+  EXPECT_FALSE(checkOutputPath(folder / "no" / "such.txt", "--out").ok());
+  EXPECT_TRUE(writeFile(folder / std::string(255, 'n'), "longest name").ok());
 }
 
 TEST_F(File, RootsFollowTheEnvironment) {

@@ -64,6 +64,10 @@ TEST(Refusals, Flags) {
   expectRefusal({"--frames", "60", "--ticks", "1"}, {"--frames", "--capture"});
   expectRefusal({"--capture", "x", "--ticks", "1"}, {"--capture", "--frames", "--every"});
   expectRefusal({"--context", "egl"}, {"--replay", "--ticks"});
+  expectRefusal({"--stats", "", "--ticks", "1"}, {"--stats", "empty"});
+  expectRefusal({"--record", "/nowhere/at/all.replay", "--ticks", "1"}, {"--record", "/nowhere/at/all"});
+  expectRefusal({"--trace", fs::temp_directory_path().string(), "--ticks", "1"}, {"--trace", "folder"});
+  expectRefusal({"--stats", "same", "--trace", "same", "--ticks", "1"}, {"--stats", "--trace", "same"});
   expectRefusal({"--capture", kLevel.string(), "--every", "1", "--ticks", "1", "--context", "egl"},
                 {"level1.glb"});
 }
@@ -73,7 +77,7 @@ TEST(Refusals, Levels) {
     expectRefusal({"--level", level.string(), "--ticks", "1", "--context", "egl"}, names);
   };
   refuse("nowhere.glb", {"nowhere.glb"});
-  refuse("99", {"level99.glb"});
+  refuse("99", {"--level 99", "no such level", "1 to 1"});
   refuse(fs::temp_directory_path(), {fs::temp_directory_path().string()});
   refuse(write("empty.glb", ""), {"empty.glb"});
   refuse(write("text.glb", "not a model"), {"text.glb"});
@@ -104,6 +108,16 @@ TEST(Refusals, Levels) {
   refuse(write("field.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
              "nodes": [{"name": "tray", "extras": {"Scale": {"target_lb": 3}}}]})"),
          {"field.gltf", "tray", "Scale", "target_lb"});
+  const auto extras = [](const std::string& name, const std::string& json) {
+    return write(name, R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+             "nodes": [{"name": "heap", "extras": )" + json + "}]}");
+  };
+  refuse(extras("block.gltf", R"({"GrainBlock": {"radius": -1}})"), {"block.gltf", "heap", "GrainBlock", "radius"});
+  refuse(extras("many.gltf", R"({"GrainBlock": {"count": [100000, 100000, 1]}})"), {"many.gltf", "count", "4e+06"});
+  refuse(extras("box.gltf", R"({"BoxCollider": {"half_extent": [1, -2, 1]}})"), {"heap", "half_extent.y = -2"});
+  refuse(extras("clock.gltf", R"({"LevelRules": {"time_limit_s": 1e10}})"), {"time_limit_s = 1e+10", "86400"});
+  refuse(extras("walk.gltf", R"({"Creature": {"walk_speed_m_s": 1e38}})"), {"Creature", "walk_speed_m_s"});
+  refuse(extras("own.gltf", R"({"CreatureMotion": {"velocity": [3e38, 0, 0]}})"), {"CreatureMotion", "left out"});
   refuse(write("nan.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
              "nodes": [{"translation": [0, 1e400, 0]}]})"),
          {"nan.gltf"});

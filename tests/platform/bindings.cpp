@@ -104,7 +104,10 @@ TEST(Bindings, DamagedFilesAreRefusedInOneLineAndChangeNothing) {
       {bindings("[\"key.a\\u0000\\n\"]"), {"source is \"key.a"}},
       {std::string("{\"version\": 1\0}", 15), {"b.json:1", "not JSON"}},
       {"\xff\xfe{}", {"b.json:1", "not JSON"}},
-      {std::string(100000, '['), {"b.json:1", "not JSON"}},
+      {std::string(100000, '['), {"b.json", "nested deeper than 16"}},
+      {R"({"version": )" + std::string(500000, '['), {"b.json", "nested deeper"}},
+      {R"({"version": )" + std::string(500000, '[') + std::string(500000, ']') + "}",
+       {"b.json", "nested deeper"}},
       {R"({"version": 1, "actions": {"pa\nuse": []}})", {"unknown action \"pa\\nuse\""}},
       {R"({"version": 1e999, "actions": {}})", {"not JSON", "1e999"}},
   };

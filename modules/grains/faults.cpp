@@ -1,0 +1,91 @@
+// What a file, or a program, may say of the module's components.
+#include <fmt/format.h>
+
+#include "engine/ecs/range.h"
+#include "modules/grains/grains.h"
+#include "modules/grains/solver.h"
+
+namespace scree {
+namespace {
+
+using grains::kLeastDensity;
+using grains::kLeastRadius;
+using grains::kMostDensity;
+using grains::kMostRadius;
+
+constexpr double kMostFriction = 1000;
+constexpr double kMostSize = 1e9;  // m
+constexpr const char* kOwn = "is made by the simulation itself; spawn grains with a GrainBlock";
+
+template <class Surface>
+std::string surfaceFault(const Surface& s) {
+  return firstFault({{"friction", s.friction, 0, kMostFriction},
+                     {"rolling_friction", s.rolling_friction, 0, kMostFriction},
+                     {"restitution", s.restitution, 0, 1},
+                     {"surface_velocity.x", s.surface_velocity.x, -1e5, 1e5},
+                     {"surface_velocity.y", s.surface_velocity.y, -1e5, 1e5},
+                     {"surface_velocity.z", s.surface_velocity.z, -1e5, 1e5}});
+}
+
+std::string sizeFault(vec3 half_extent) {
+  return firstFault({{"half_extent.x", half_extent.x, 0, kMostSize},
+                     {"half_extent.y", half_extent.y, 0, kMostSize},
+                     {"half_extent.z", half_extent.z, 0, kMostSize}});
+}
+
+std::string firstOf(std::string a, const std::string& b) { return a.empty() ? b : a; }
+
+}  // namespace
+
+std::string fault(const GrainField& f) {
+  return firstFault({{"gravity.x", f.gravity.x, -1e4, 1e4},
+                     {"gravity.y", f.gravity.y, -1e4, 1e4},
+                     {"gravity.z", f.gravity.z, -1e4, 1e4},
+                     {"substeps", static_cast<double>(f.substeps), 1, 64},
+                     {"passes", static_cast<double>(f.passes), 1, 64},
+                     {"damping", f.damping, 0, 60}});
+}
+
+std::string fault(const GrainBlock& b) {
+  double total = 1;
+  for (const int32_t n : b.count) {
+    if (n < 0) return fmt::format("count = {}; allowed is 0 or more", n);
+    total *= n;
+  }
+  const float largest = b.radius * (1 + b.radius_jitter);
+  std::string wrong =
+      firstFault({{"the product of count", total, 0, kMaxGrains},
+                  {"radius_jitter", b.radius_jitter, 0, 0.9f},
+                  {"the smallest radius", b.radius * (1 - b.radius_jitter), kLeastRadius, kMostRadius},
+                  {"the largest radius", largest, kLeastRadius, kMostRadius},
+                  {"density", b.density, kLeastDensity, kMostDensity},
+                  {"friction", b.friction, 0, kMostFriction},
+                  {"rolling_friction", b.rolling_friction, 0, kMostFriction},
+                  {"restitution", b.restitution, 0, 1},
+                  {"color_jitter", b.color_jitter, 0, 1}});
+  if (wrong.empty() && b.spacing != 0)  // 0: chosen by the size
+    wrong = firstFault({{"spacing", b.spacing, 2.0 * largest, 1e6}});
+  return wrong;
+}
+
+std::string fault(const PlaneCollider& plane) { return surfaceFault(plane); }
+std::string fault(const BoxCollider& box) {
+  return firstOf(sizeFault(box.half_extent), surfaceFault(box));
+}
+std::string fault(const CapsuleCollider& c) {
+  return firstOf(firstFault({{"radius", c.radius, 0, kMostSize},
+                             {"the largest of a and b", glm::length(c.a) + glm::length(c.b), 0, kMostSize}}),
+                 surfaceFault(c));
+}
+std::string fault(const RegionSensor& region) { return sizeFault(region.half_extent); }
+
+std::string fault(const ColliderPose&) { return kOwn; }
+std::string fault(const Grain&) { return kOwn; }
+std::string fault(const GrainVelocity&) { return kOwn; }
+std::string fault(const GrainSpin&) { return kOwn; }
+std::string fault(const GrainOrientation&) { return kOwn; }
+std::string fault(const GrainPrevious&) { return kOwn; }
+std::string fault(const GrainMaterial&) { return kOwn; }
+std::string fault(const GrainLook&) { return kOwn; }
+
+}  // namespace scree
