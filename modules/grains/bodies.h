@@ -16,11 +16,14 @@ struct alignas(64) Body {
   vec3 velocity{0};
   float inverse_mass = 1;  // 1/kg, as the solver uses it: see GrainSolver::shareHeavyLoads
   vec3 spin{0};
-  float spin_factor = 1;  // radius / moment of inertia of a solid sphere = 2.5 / (mass radius)
+  float friction_root = 0;  // of two grains: the product is their geometric mean
   vec3 velocity_before{0};  // at the substep's begin
   float gravity_scale = 1;  // true mass / mass that the solver uses
 };
 static_assert(sizeof(Body) == 64);
+
+// Radius / moment of inertia of a solid sphere: 2.5 / (mass radius).
+inline float spinFactor(const Body& body) { return 2.5f * body.inverse_mass / body.radius; }
 
 // Position at the last neighbour search, and how far the grain may stray from it (plus the drift).
 struct Reference {
@@ -42,7 +45,7 @@ template <class T>
 void refill(std::vector<T>& values, size_t n, T value) {
   if (values.capacity() < n) {
     values.clear();
-    values.reserve(n + n / 2);
+    values.reserve(n + n / 8);
   }
   values.assign(n, value);
 }
@@ -51,7 +54,7 @@ template <class T>
 void remake(std::vector<T>& values, size_t n) {
   if (values.capacity() < n) {
     values.clear();
-    values.reserve(n + n / 2);
+    values.reserve(n + n / 8);
   }
   values.resize(n);
 }

@@ -28,8 +28,17 @@ SurfacePoint nearestOnBox(const PosedCollider& box, vec3 p) {
   const float square = glm::dot(outside, outside);
   if (square > 0) {
     const float distance = std::sqrt(square);
+    const bool face = distance == std::max({std::abs(outside.x), std::abs(outside.y), std::abs(outside.z)});
+    float flat = 0;
+    if (face) {
+      const vec3 slack = box.half_extent - glm::abs(local);
+      flat = std::numeric_limits<float>::max();
+      for (int k = 0; k < 3; ++k)
+        if (slack[k] >= 0) flat = std::min(flat, slack[k]);
+      flat = std::min(flat, distance);
+    }
     // Below this a unit vector cannot be had from the difference; the nearest face does as well.
-    if (distance > 1e-18f) return {box.world_from_local * (outside / distance), distance};
+    if (distance > 1e-18f) return {box.world_from_local * (outside / distance), distance, flat};
   }
   const vec3 depth = glm::abs(local) - box.half_extent;
   int axis = 0;
@@ -37,7 +46,7 @@ SurfacePoint nearestOnBox(const PosedCollider& box, vec3 p) {
     if (depth[k] > depth[axis]) axis = k;
   vec3 normal(0);
   normal[axis] = local[axis] < 0 ? -1.0f : 1.0f;
-  return {box.world_from_local * normal, depth[axis]};
+  return {box.world_from_local * normal, depth[axis], 0};
 }
 
 SurfacePoint nearestOnCapsule(const PosedCollider& capsule, vec3 p) {
@@ -47,11 +56,11 @@ SurfacePoint nearestOnCapsule(const PosedCollider& capsule, vec3 p) {
       square > 0 ? std::clamp(glm::dot(p - capsule.a, axis) / square, 0.0f, 1.0f) : 0.0f;
   const vec3 d = p - (capsule.a + axis * t);
   const float distance = std::sqrt(glm::dot(d, d));
-  if (distance > 1e-18f) return {d / distance, distance - capsule.radius};
+  if (distance > 1e-18f) return {d / distance, distance - capsule.radius, 0};
   // On the axis: any direction across it.
   vec3 across = axis.y * axis.y <= 0.5f * square ? vec3(0, 1, 0) : vec3(1, 0, 0);
   if (square > 0) across -= axis * (glm::dot(across, axis) / square);
-  return {glm::normalize(across), -capsule.radius};
+  return {glm::normalize(across), -capsule.radius, 0};
 }
 
 }  // namespace
@@ -87,7 +96,7 @@ SurfacePoint nearestSurface(const PosedCollider& collider, vec3 p) {
       break;
   }
   const vec3 normal = collider.world_from_local[1];
-  return {normal, glm::dot(normal, p - collider.position)};
+  return {normal, glm::dot(normal, p - collider.position), std::numeric_limits<float>::max()};
 }
 
 float supportOffset(const PosedCollider& collider, vec3 n) {

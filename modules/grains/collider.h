@@ -53,6 +53,7 @@ PosedCollider poseCollider(const Collider& collider, float t0, float t1, float h
 struct SurfacePoint {
   vec3 normal;
   float distance;
+  float flat;  // m: points that are nearer to p than this have the same nearest plane
 };
 SurfacePoint nearestSurface(const PosedCollider& collider, vec3 p);
 

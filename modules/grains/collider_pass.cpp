@@ -1,94 +1,12 @@
-// Contacts of grains with colliders: lists, and the passes over them.
+// The passes over the contacts of grains with colliders.
 #include <algorithm>
 #include <cmath>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "engine/core/parallel.h"
 #include "modules/grains/contacts.h"
 
 namespace scree::grains {
-
-void ColliderLists::build(const Grid& grid, const Bodies& bodies,
-                          std::span<const Collider> colliders, float extra,
-                          const ColliderLists& old, const PairLists& old_pairs,
-                          std::span<const uint32_t> order, std::span<const uint32_t> history) {
-  slab_count = grid.slabCount();
-  if (slab.size() < slab_count) slab.resize(slab_count);
-  bounds.resize(colliders.size());
-  motion.resize(colliders.size());
-  begin.resize(colliders.size());
-  for (size_t k = 0; k < colliders.size(); ++k) {
-    bounds[k] = sweptBounds(colliders[k]);
-    motion[k] = motionBound(colliders[k]);
-    begin[k] = poseCollider(colliders[k], 0, 0, 0);
-  }
-  parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
-    fill(uint32_t(s), grid, bodies, colliders, extra, old, old_pairs, order, history);
-  });
-}
-
-void ColliderLists::fill(uint32_t s, const Grid& grid, const Bodies& bodies,
-                         std::span<const Collider> colliders, float extra,
-                         const ColliderLists& old, const PairLists& old_pairs,
-                         std::span<const uint32_t> order, std::span<const uint32_t> history) {
-  ColliderSlab& own = slab[s];
-  own.contact.clear();
-  own.bounces.clear();
-  own.low = vec3(3e38f);
-  own.high = vec3(-3e38f);
-  for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i) {
-    const float reach = bodies.body[i].radius + bodies.reference[i].margin + extra;
-    own.low = glm::min(own.low, bodies.body[i].position - reach);
-    own.high = glm::max(own.high, bodies.body[i].position + reach);
-  }
-  const auto apart = [](vec3 low_a, vec3 high_a, vec3 low_b, vec3 high_b) {
-    return high_a.x < low_b.x || high_b.x < low_a.x || high_a.y < low_b.y || high_b.y < low_a.y ||
-           high_a.z < low_b.z || high_b.z < low_a.z;
-  };
-  for (uint32_t k = 0; k < colliders.size(); ++k) {
-    if (apart(own.low, own.high, bounds[k].min, bounds[k].max)) continue;
-    for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i) {
-      const Body& grain = bodies.body[i];
-      const float reach = grain.radius + bodies.reference[i].margin + extra;
-      if (apart(grain.position - reach, grain.position + reach, bounds[k].min, bounds[k].max))
-        continue;
-      if (!(nearestSurface(begin[k], grain.position).distance < reach + motion[k])) continue;
-      ColliderContact contact;
-      contact.grain = i;
-      contact.collider = k;
-      contact.key = colliders[k].key;
-      contact.friction = std::sqrt(bodies.material[i].friction * colliders[k].friction);
-      contact.rolling_friction =
-          std::max(bodies.material[i].rolling_friction, colliders[k].rolling_friction);
-      contact.restitution = std::max(bodies.material[i].restitution, colliders[k].restitution);
-      own.contact.push_back(contact);
-    }
-  }
-  std::sort(own.contact.begin(), own.contact.end(),
-            [](const ColliderContact& a, const ColliderContact& b) {
-              return a.grain != b.grain ? a.grain < b.grain : a.key < b.key;
-            });
-  if (old.slab_count == 0) return;
-  for (ColliderContact& contact : own.contact) {
-    const uint32_t was = history[order[contact.grain]];
-    if (was == kNoSlot) continue;
-    const std::vector<ColliderContact>& from = old.slab[old_pairs.slab_of[was]].contact;
-    auto it = std::lower_bound(
-        from.begin(), from.end(), was,
-        [](const ColliderContact& a, uint32_t grain) { return a.grain < grain; });
-    for (; it != from.end() && it->grain == was; ++it) {
-      if (it->key != contact.key) continue;
-      contact.impulse = it->impulse;
-      contact.moment = it->moment;
-      contact.rolling = it->rolling;
-      contact.trust = it->trust;
-      contact.normal = it->normal;
-      break;
-    }
-  }
-}
 
 void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCollider> posed) {
   for (ColliderContact& contact : slab.contact) {
@@ -97,10 +15,11 @@ void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCo
     SurfacePoint near = nearestSurface(collider, p);
     // A centre inside the shape goes back out on the side where it came in, not on the nearest one.
     if (near.distance < 0 && contact.normal != vec3(0))
-      near = {contact.normal, glm::dot(contact.normal, p) - supportOffset(collider, contact.normal)};
+      near = {contact.normal, glm::dot(contact.normal, p) - supportOffset(collider, contact.normal), 0};
     const vec3 on_surface = p - near.normal * near.distance;
     contact.normal = near.normal;
     contact.offset = glm::dot(near.normal, on_surface);
+    contact.flat = near.flat;
     contact.surface_velocity = velocityAt(collider, on_surface) + collider.surface_velocity;
     contact.surface_spin = collider.spin;
   }
@@ -113,12 +32,12 @@ void applyKeptColliders(ColliderSlab& slab, Body* body) {
     const bool kept = contact.impulse != vec3(0);
     contact.approach = 0;
     contact.impulse *= contact.trust;
-    contact.moment *= contact.trust;
     contact.rolling *= contact.trust;
     contact.trust = kept ? 1.0f : 0.0f;
     Body& grain = body[contact.grain];
     grain.velocity += grain.inverse_mass * contact.impulse;
-    grain.spin += grain.spin_factor * (contact.rolling / grain.radius - contact.moment);
+    grain.spin += spinFactor(grain) * (contact.rolling / grain.radius -
+                                        glm::cross(contact.normal, contact.impulse));
   }
 }
 
@@ -161,7 +80,8 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
     const bool kept = contact.impulse != vec3(0);
     if (!(next_n > 0) && !kept && !(gap < 0)) continue;
     const float leap = 2 * grain.radius * settings.inverse_h;
-    if (!kept && gap > 0 && glm::dot(u, u) < leap * leap) {
+    const float speed_square = glm::dot(u, u), round = contact.flat * settings.inverse_h;
+    if (!kept && gap > 0 && speed_square >= round * round && speed_square < leap * leap) {
       // Not touched yet, and too slow to get through anything: would it miss the true surface (an
       // edge, the seam between two boxes), though not the plane that stands for it?
       const float planar = gap + un * settings.h;
@@ -185,12 +105,11 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
     const vec3 next =
         next_n * normal + std::min(1.0f, contact.friction * next_n / size) * wish;
     grain.velocity += grain.inverse_mass * (next - contact.impulse);
+    const float spin_factor = spinFactor(grain);
+    grain.spin -= spin_factor * glm::cross(normal, next - contact.impulse);
     contact.impulse = next;
-    const vec3 moment = glm::cross(normal, next);
-    grain.spin -= grain.spin_factor * (moment - contact.moment);
-    contact.moment = moment;
     if (contact.rolling_friction > 0) {
-      const float inverse_inertia = grain.spin_factor / grain.radius;
+      const float inverse_inertia = spin_factor / grain.radius;
       const vec3 wish_r =
           contact.rolling - (grain.spin - contact.surface_spin) / inverse_inertia;
       const float size_r = std::sqrt(std::max(glm::dot(wish_r, wish_r), 1e-37f));
@@ -203,14 +122,6 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
     slab.deepest = std::max(slab.deepest, -gap);
     if (overlap > 0) grain.position += normal * (2 * kProjection * overlap);
   }
-}
-
-size_t ColliderLists::memoryBytes() const {
-  size_t bytes = bounds.capacity() * sizeof(Bounds) + motion.capacity() * sizeof(float) +
-                 begin.capacity() * sizeof(PosedCollider);
-  for (const ColliderSlab& s : slab)
-    bytes += s.contact.capacity() * sizeof(ColliderContact) + s.bounces.capacity() * sizeof(Bounce);
-  return bytes;
 }
 
 }  // namespace scree::grains

@@ -1,9 +1,10 @@
-// Contact lists: neighbour pairs in batches of four for the pair passes, and grains near colliders.
+// Contact lists: neighbour pairs in batches of eight for the pair passes, and grains near colliders.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "modules/grains/bodies.h"
@@ -13,8 +14,10 @@
 namespace scree::grains {
 
 inline constexpr uint32_t kNoSlot = 0xffffffffu;
+// Contacts a batch: the lanes of the widest instruction set.
+inline constexpr uint32_t kBatch = kMostLanes;
 // Idle bodies a slab: the unused lanes of a batch write to them.
-inline constexpr uint32_t kIdleBodies = 8;
+inline constexpr uint32_t kIdleBodies = 2 * kBatch;
 
 // What one pass over contacts needs to know.
 struct PassSettings {
@@ -35,68 +38,82 @@ struct Bounce {
   vec3 shift;     // of i relative to j, m
 };
 
-// One value a lane of each contact, `count` long (a multiple of four).
-enum class Lane : uint32_t {
-  ImpulseX, ImpulseY, ImpulseZ,  // on grain i, N s
-  MomentX, MomentY, MomentZ,     // (distance / sum of radii) normal x impulse
-  Friction,
-  Trust,     // 0: the contact is a substep old, its impulse is not kept
-  LastPlain = Trust,
-  RollingX, RollingY, RollingZ,  // angular impulse on grain i, N m s
-  RollingFriction,
-  LastRolling = RollingFriction,
-  Restitution,
-  Approach,  // separation speed that a bounce asks for, m/s; 0: none
-  Count
+// What the contacts of a batch carry from substep to substep, by component and lane.
+struct ImpulseBatch {
+  float impulse[3][kBatch];  // on grain i, N s
+};
+// The same for rolling friction.
+struct RollingBatch {
+  float impulse[3][kBatch];  // angular, on grain i, N m s
+  float friction[kBatch];
+};
+struct BouncingBatch {
+  float restitution[kBatch];
+  float approach[kBatch];  // separation speed that a bounce asks for, m/s; 0: none
 };
 
 struct PairSlab {
-  // Found pairs, in the order of the finder (a grain of this slab).
-  std::vector<uint32_t> found_i, found_j;
-  std::vector<uint32_t> found_at;  // contact in the owner's batches
-  uint32_t found_below = 0;        // pairs that the slab below owns
-  // Batches: contacts whose grain pairs are disjoint within each four.
+  // Found pairs by finder (a grain of this slab): the other grain.
+  std::vector<uint32_t> found_j;
+  // Batches: contacts whose grain pairs are disjoint within each.
+  uint32_t count = 0;  // contacts with the unused lanes, a multiple of kBatch
   std::vector<uint32_t> i, j;
-  std::vector<float> lanes;
-  uint32_t count = 0;
+  std::vector<ImpulseBatch> impulse;
+  std::vector<uint8_t> trust;  // a bit a lane; clear: a substep old, its impulse is not kept
+  std::vector<RollingBatch> rolling;    // empty: nothing rolls
+  std::vector<BouncingBatch> bouncing;  // empty: nothing bounces
   std::vector<Bounce> bounces;
-  float deepest = 0;  // overlap, m
+  float deepest = 0;     // overlap, m
+  uint32_t carried = 0;  // contacts that carry an impulse after the last pass
 
-  float* lane(Lane which) { return lanes.data() + size_t{count} * static_cast<size_t>(which); }
-  const float* lane(Lane which) const {
-    return lanes.data() + size_t{count} * static_cast<size_t>(which);
+  bool carriesImpulse(uint32_t contact) const {
+    const ImpulseBatch& batch = impulse[contact / kBatch];
+    const uint32_t lane = contact % kBatch;
+    return batch.impulse[0][lane] != 0 || batch.impulse[1][lane] != 0 ||
+           batch.impulse[2][lane] != 0;
   }
 
   // Working memory of the build.
-  std::vector<uint32_t> pending, again, colour_count;
-  std::vector<uint32_t> colour;
+  std::vector<std::pair<uint32_t, uint32_t>> foreign;  // pairs found by the slab above
+  std::vector<uint32_t> colour, colour_count;
+};
+
+// Impulses of contacts between two searches, listed by the grain of the lower slot.
+struct KeptPairs {
+  struct Contact {
+    uint32_t other;    // slot of the other grain; the top bit says whether the impulse is trusted
+    vec3 impulse;      // on the listed grain, N s
+  };
+  static constexpr uint32_t kTrusted = 0x80000000u;
+  std::vector<uint32_t> begin;  // by slot, one more than there are grains
+  std::vector<Contact> contact;
+  std::vector<vec3> rolling;    // of contact[k]; empty: nothing rolled
 };
 
 struct PairLists {
   std::vector<PairSlab> slab;
   uint32_t slab_count = 0;
-  std::vector<uint32_t> slab_of, found_begin, found_end;  // by slot
-  std::vector<uint64_t> mask[2];                          // colours taken, by parity of the slab
+  std::vector<uint32_t> slab_of, found_end;  // by slot
+  std::vector<uint64_t> mask[2];             // colours taken, by parity of the slab
   bool rolling = false, bouncing = false;
   uint64_t pair_count = 0;
 
-  // Finds all pairs of the grid and batches them; impulses are taken over from `old`, whose slot
-  // of new slot k is history[order[k]] (kNoSlot: none).
+  // Finds all pairs of the grid and batches them; impulses are taken over from `old` (which may be
+  // these lists themselves), whose slot of new slot k is history[order[k]] (kNoSlot: none).
   void build(const Grid& grid, const Bodies& bodies, const PairLists& old,
              std::span<const uint32_t> order, std::span<const uint32_t> history);
   size_t memoryBytes() const;
 
  private:
-  void find(const Grid& grid, uint32_t s);
-  void batch(const Grid& grid, uint32_t s);
-  void fill(uint32_t s, const Bodies& bodies, const PairLists& old, std::span<const uint32_t> order,
+  void keep(const PairLists& old, std::span<const uint32_t> order,
             std::span<const uint32_t> history);
-};
+  void find(const Grid& grid, uint32_t s);
+  void batch(const Grid& grid, const Bodies& bodies, uint32_t s);
+  void fill(uint32_t s, const Bodies& bodies);
 
-// Velocities take up the impulses kept from the last substep.
-void applyKeptPairs(PairSlab& slab, Body* body, const PassSettings& settings);
-// One pass: impulses that stop approach and sliding, then a shift that undoes overlap.
-void relaxPairs(PairSlab& slab, Body* body, const Entity* entity, const PassSettings& settings);
+  KeptPairs kept_;
+  std::vector<uint32_t> slot_now_;  // of each slot in `old`
+};
 
 // One grain near one collider.
 struct ColliderContact {
@@ -104,7 +121,6 @@ struct ColliderContact {
   uint32_t collider = 0;
   uint32_t key = 0;  // of the collider
   vec3 impulse{0};   // on the grain, N s
-  vec3 moment{0};    // normal x impulse
   vec3 rolling{0};   // angular impulse on the grain, N m s
   float friction = 0, rolling_friction = 0, restitution = 0;
   float trust = 0;
@@ -112,6 +128,7 @@ struct ColliderContact {
   // Of the substep: the surface as a plane, n . x = offset, and its velocity.
   vec3 normal{0};
   float offset = 0;
+  float flat = 0;  // SurfacePoint::flat
   vec3 surface_velocity{0};
   vec3 surface_spin{0};
 };
@@ -119,28 +136,43 @@ struct ColliderContact {
 struct ColliderSlab {
   std::vector<ColliderContact> contact;  // by grain, then collider
   std::vector<Bounce> bounces;
-  vec3 low{0}, high{0};  // bounds of the slab's grains with their reach
+  uint32_t begin = 0, end = 0;  // slots of the slab's grains
   float deepest = 0;
+
+  // As listed before: impulses are taken over from there.
+  std::vector<ColliderContact> was;
+  uint32_t was_begin = 0;
+  std::vector<uint32_t> near;  // colliders that may touch the slab
 };
 
 struct ColliderLists {
   std::vector<ColliderSlab> slab;
   uint32_t slab_count = 0;
-  std::vector<Bounds> bounds;   // of each collider over the tick
-  std::vector<float> motion;    // motionBound of each collider
-  std::vector<PosedCollider> begin;  // poses at the tick's begin
 
-  // Grains within their margin, plus `extra` m, of a collider's surface during the tick.
+  // Lists the grains within their margin, plus `extra` m, of a collider's surface during the tick.
+  // `searched`: slots have changed since the last listing, where slot k was history[order[k]]
+  // (kNoSlot: none). If they have not, only colliders that changed are looked at: with none, nothing
+  // is done.
   void build(const Grid& grid, const Bodies& bodies, std::span<const Collider> colliders,
-             float extra, const ColliderLists& old, const PairLists& old_pairs,
-             std::span<const uint32_t> order, std::span<const uint32_t> history);
+             float extra, bool searched, std::span<const uint32_t> order,
+             std::span<const uint32_t> history);
   size_t memoryBytes() const;
 
  private:
-  void fill(uint32_t s, const Grid& grid, const Bodies& bodies,
-            std::span<const Collider> colliders, float extra, const ColliderLists& old,
-            const PairLists& old_pairs, std::span<const uint32_t> order,
-            std::span<const uint32_t> history);
+  // A collider over the tick.
+  struct Swept {
+    Collider collider;
+    Bounds bounds;
+    float motion = 0;     // motionBound
+    PosedCollider begin;  // pose at the tick's begin
+    bool fresh = true;    // not as it was at the last listing
+  };
+  bool sweep(std::span<const Collider> colliders);
+  void list(uint32_t s, const Bodies& bodies, float extra);
+  const ColliderContact* formerly(uint32_t slot, uint32_t key, uint32_t slabs) const;
+
+  std::vector<Swept> swept_;
+  float extra_ = 0;
 };
 
 // The colliders' surfaces near each contact's grain at the substep's begin.

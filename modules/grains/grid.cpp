@@ -65,7 +65,7 @@ void Grid::plan(const Bodies& bodies, std::span<const float> margin, std::vector
   for (uint32_t k = 0; k < n; ++k) sorted_level_of_[k] = level_of_[order[k]];
   level_of_.swap(sorted_level_of_);
   // The search reads reaches in the new order: keep them aside until read().
-  reach_.resize(n + 4);
+  reach_.resize(n + kMostLanes);
   for (uint32_t k = 0; k < n; ++k) reach_[k] = bodies.body[order[k]].radius + margin[order[k]];
 }
 

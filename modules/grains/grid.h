@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "modules/grains/bodies.h"
+#include "modules/grains/kernels.h"
 
 namespace scree::grains {
 
@@ -39,6 +40,9 @@ class Grid {
 
   // After the bodies were put in that order: copies what the search reads.
   void read(const Bodies& bodies);
+
+  // The instruction set of the searches to come.
+  void use(const Kernels& kernels) { kernels_ = &kernels; }
 
   uint32_t slabCount() const { return slabs_; }
   uint32_t slabBegin(uint32_t slab) const { return bucket_begin_[slab * buckets_a_slab_]; }
@@ -78,6 +82,7 @@ class Grid {
                  std::vector<uint32_t>& found, uint32_t slot, uint32_t from) const;
   void scan(uint32_t slot, uint32_t begin, uint32_t end, std::vector<uint32_t>& found) const;
 
+  const Kernels* kernels_ = &kBaselineKernels;
   std::array<Level, kMostLevels> level_;
   int level_count_ = 0;
   uint32_t slabs_ = 4;

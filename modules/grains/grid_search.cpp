@@ -1,24 +1,22 @@
 // The grid's search: each pair of neighbours once, in an order that only positions decide.
 #include <algorithm>
-#include <bit>
 
 #include "modules/grains/grid.h"
-#include "modules/grains/simd4.h"
 
 namespace scree::grains {
 
 void Grid::read(const Bodies& bodies) {
   const uint32_t n = bodies.count;
-  x_.resize(n + 4);
-  y_.resize(n + 4);
-  z_.resize(n + 4);
+  x_.resize(n + kMostLanes);
+  y_.resize(n + kMostLanes);
+  z_.resize(n + kMostLanes);
   for (uint32_t k = 0; k < n; ++k) {
     const vec3 p = bodies.body[k].position;
     x_[k] = p.x;
     y_[k] = p.y;
     z_[k] = p.z;
   }
-  for (uint32_t k = n; k < n + 4; ++k) {  // read by the last group of four, then masked out
+  for (uint32_t k = n; k < n + kMostLanes; ++k) {  // read by the last group, then masked out
     x_[k] = y_[k] = z_[k] = 0;
     reach_[k] = 0;
   }
@@ -26,16 +24,12 @@ void Grid::read(const Bodies& bodies) {
 
 // Appends the slots in [begin, end) within reach of `slot`.
 void Grid::scan(uint32_t slot, uint32_t begin, uint32_t end, std::vector<uint32_t>& found) const {
-  using namespace simd;
-  const Float4 px = splat(x_[slot]), py = splat(y_[slot]), pz = splat(z_[slot]);
-  const Float4 reach = splat(reach_[slot]);
-  for (uint32_t k = begin; k < end; k += 4) {
-    const Float4 dx = load(&x_[k]) - px, dy = load(&y_[k]) - py, dz = load(&z_[k]) - pz;
-    const Float4 sum = load(&reach_[k]) + reach;
-    unsigned hits = static_cast<unsigned>(bits(less(dx * dx + dy * dy + dz * dz, sum * sum)));
-    if (end - k < 4) hits &= (1u << (end - k)) - 1;
-    for (; hits != 0; hits &= hits - 1)
-      found.push_back(k + static_cast<uint32_t>(std::countr_zero(hits)));
+  constexpr uint32_t kMost = 120;  // candidates a call
+  uint32_t hits[kMost + kMostLanes];
+  const Reaches grains{x_.data(), y_.data(), z_.data(), reach_.data()};
+  for (; begin < end; begin += kMost) {
+    const uint32_t n = kernels_->scan(grains, slot, begin, std::min(end, begin + kMost), hits);
+    found.insert(found.end(), hits, hits + n);
   }
 }
 

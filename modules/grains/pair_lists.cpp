@@ -1,5 +1,6 @@
 // Building the pair lists: search, batches of disjoint pairs, impulses taken over from the old lists.
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
@@ -9,54 +10,98 @@
 namespace scree::grains {
 namespace {
 
-uint32_t laneCount(bool rolling, bool bouncing) {
-  if (bouncing) return static_cast<uint32_t>(Lane::Count);
-  return static_cast<uint32_t>(rolling ? Lane::LastRolling : Lane::LastPlain) + 1;
-}
+// Distance of centres in sums of radii, below which a pair counts as touching when it is found.
+constexpr float kNearlyTouching = 1.005f;
 
 }  // namespace
 
 void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& old,
                       std::span<const uint32_t> order, std::span<const uint32_t> history) {
+  keep(old, order, history);
   slab_count = grid.slabCount();
   if (slab.size() < slab_count) slab.resize(slab_count);
-  slab_of.resize(bodies.count);
-  found_begin.resize(bodies.count);
-  found_end.resize(bodies.count);
-  mask[0].resize(bodies.count);
-  mask[1].resize(bodies.count);
+  remake(slab_of, bodies.count);
+  remake(found_end, bodies.count);
+  remake(mask[0], bodies.count);
+  remake(mask[1], bodies.count);
   rolling = bouncing = false;
   for (const GrainMaterial& material : std::span(bodies.material).first(bodies.count)) {
     rolling = rolling || material.rolling_friction > 0;
     bouncing = bouncing || material.restitution > 0;
   }
+  rolling = rolling || bouncing;
   parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) { find(grid, uint32_t(s)); });
   parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
-    batch(grid, uint32_t(s));
-    fill(uint32_t(s), bodies, old, order, history);
+    batch(grid, bodies, uint32_t(s));
+    fill(uint32_t(s), bodies);
   });
   pair_count = 0;
   for (uint32_t s = 0; s < slab_count; ++s) pair_count += slab[s].found_j.size();
 }
 
+// Lists the impulses of `old` by the slots of now. The order within a grain's list may vary with
+// the threads; nothing depends on it.
+void PairLists::keep(const PairLists& old, std::span<const uint32_t> order,
+                     std::span<const uint32_t> history) {
+  const uint32_t n = static_cast<uint32_t>(order.size());
+  refill(kept_.begin, n, 0u);
+  kept_.contact.clear();
+  kept_.rolling.clear();
+  if (old.slab_count == 0) return;
+  refill(slot_now_, old.slab_of.size(), kNoSlot);
+  for (uint32_t k = 0; k < n; ++k)
+    if (history[order[k]] != kNoSlot) slot_now_[history[order[k]]] = k;
+
+  const auto eachContact = [&](const auto& visit) {
+    parallelChunks(old.slab_count, 1, [&](size_t s, size_t, size_t) {
+      const PairSlab& from = old.slab[s];
+      for (uint32_t c = 0; c < from.count; ++c) {
+        if (from.i[c] >= slot_now_.size() || !from.carriesImpulse(c)) continue;
+        const uint32_t i = slot_now_[from.i[c]], j = slot_now_[from.j[c]];
+        if (i != kNoSlot && j != kNoSlot) visit(from, c, i, j);
+      }
+    });
+  };
+  const bool alone = threadCount() == 1;
+  const auto next = [&](uint32_t slot) {
+    uint32_t& counter = kept_.begin[slot];
+    return alone ? counter++ : std::atomic_ref(counter).fetch_add(1, std::memory_order_relaxed);
+  };
+  eachContact([&](const PairSlab&, uint32_t, uint32_t i, uint32_t j) { next(std::min(i, j)); });
+  uint32_t total = 0;
+  for (uint32_t& begin : kept_.begin) {
+    const uint32_t count = begin;
+    begin = total;
+    total += count;
+  }
+  remake(kept_.contact, total);
+  if (old.rolling) remake(kept_.rolling, total);
+  eachContact([&](const PairSlab& from, uint32_t c, uint32_t i, uint32_t j) {
+    const uint32_t at = next(std::min(i, j)), b = c / kBatch, lane = c % kBatch;
+    const float sign = i < j ? 1.0f : -1.0f;
+    const auto signedAt = [&](const float(&p)[3][kBatch]) {
+      return sign * vec3(p[0][lane], p[1][lane], p[2][lane]);
+    };
+    const bool trusted = (from.trust[b] >> lane & 1) != 0;
+    kept_.contact[at] = {std::max(i, j) | (trusted ? KeptPairs::kTrusted : 0),
+                         signedAt(from.impulse[b].impulse)};
+    if (old.rolling) kept_.rolling[at] = signedAt(from.rolling[b].impulse);
+  });
+}
+
 void PairLists::find(const Grid& grid, uint32_t s) {
   PairSlab& own = slab[s];
-  own.found_i.clear();
   own.found_j.clear();
-  own.found_below = 0;
   for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i) {
     slab_of[i] = s;
-    found_begin[i] = static_cast<uint32_t>(own.found_j.size());
     grid.neighbours(i, own.found_j);
     found_end[i] = static_cast<uint32_t>(own.found_j.size());
-    own.found_i.resize(own.found_j.size(), i);
   }
-  refill(own.found_at, own.found_j.size(), kNoSlot);
 }
 
 // Greedy colouring: a contact gets the lowest colour that neither of its grains has; contacts of a
-// colour are disjoint. Grains with more than 64 contacts take part in several rounds.
-void PairLists::batch(const Grid& grid, uint32_t s) {
+// colour are disjoint. Grains with more than 32 contacts take part in several rounds.
+void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
   PairSlab& own = slab[s];
   const uint32_t above = grid.slabAbove(s), below = (s + slab_count - 1) & (slab_count - 1);
   std::vector<uint64_t>& taken = mask[s & 1];
@@ -64,50 +109,55 @@ void PairLists::batch(const Grid& grid, uint32_t s) {
     std::fill(taken.begin() + grid.slabBegin(s), taken.begin() + grid.slabEnd(s), 0);
     std::fill(taken.begin() + grid.slabBegin(above), taken.begin() + grid.slabEnd(above), 0);
   };
-  // Bit 31 of a pending contact: found by the slab above.
-  constexpr uint32_t kAbove = 0x80000000u;
-  own.pending.clear();
-  for (uint32_t k = 0; k < own.found_j.size(); ++k)
-    if (!grid.mixed() || slab_of[own.found_j[k]] != below) own.pending.push_back(k);
+  own.foreign.clear();
   if (grid.mixed()) {
-    const PairSlab& upper = slab[above];
-    for (uint32_t k = 0; k < upper.found_j.size(); ++k)
-      if (slab_of[upper.found_j[k]] == s) own.pending.push_back(k | kAbove);
+    uint32_t k = 0;
+    for (uint32_t i = grid.slabBegin(above); i < grid.slabEnd(above); ++i)
+      for (; k < found_end[i]; ++k)
+        if (slab_of[slab[above].found_j[k]] == s) own.foreign.emplace_back(i, slab[above].found_j[k]);
   }
-  remake(own.colour, own.pending.size());
+  // Calls visit(k, i, j) for all pairs of this slab, numbered in order.
+  const auto eachPair = [&](const auto& visit) {
+    uint32_t k = 0, at = 0;
+    for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i)
+      for (; at < found_end[i]; ++at)
+        if (!grid.mixed() || slab_of[own.found_j[at]] != below) visit(k++, i, own.found_j[at]);
+    for (const auto& [i, j] : own.foreign) visit(k++, i, j);
+    return k;
+  };
+  // A round has colours 0 to 31 for pairs that touch and 32 to 63 for the rest: whole batches of
+  // which nothing comes cost little.
+  constexpr uint32_t kWaits = 0xffffffffu;
+  remake(own.colour, own.found_j.size() + own.foreign.size());
   own.colour_count.clear();
-  const uint32_t total = static_cast<uint32_t>(own.pending.size());
-  // Contacts in order of their colours; `again` holds those that wait for the next round.
-  uint32_t round = 0;
-  std::vector<uint32_t>& waiting = own.again;
-  remake(waiting, total);
-  for (uint32_t k = 0; k < total; ++k) waiting[k] = k;
-  while (!waiting.empty()) {
+  uint32_t waiting = 1;
+  for (uint32_t round = 0; waiting > 0; ++round) {
     clear();
+    waiting = 0;
     own.colour_count.resize(64 * (round + 1), 0);
-    size_t left = 0;
-    for (const uint32_t k : waiting) {
-      const PairSlab& finder = (own.pending[k] & kAbove) != 0 ? slab[above] : own;
-      const uint32_t at = own.pending[k] & ~kAbove;
-      uint64_t& a = taken[finder.found_i[at]];
-      uint64_t& b = taken[finder.found_j[at]];
-      if ((a | b) == ~uint64_t{0}) {
-        waiting[left++] = k;
-        continue;
+    eachPair([&](uint32_t k, uint32_t i, uint32_t j) {
+      if (round > 0 && own.colour[k] != kWaits) return;
+      const Body &a = bodies.body[i], &b = bodies.body[j];
+      const vec3 d = a.position - b.position;
+      const float near = kNearlyTouching * (a.radius + b.radius);
+      const int side = d.x * d.x + d.y * d.y + d.z * d.z < near * near ? 0 : 32;
+      const uint32_t free = static_cast<uint32_t>(~(taken[i] | taken[j]) >> side);
+      if (free == 0) {
+        own.colour[k] = kWaits;
+        ++waiting;
+        return;
       }
-      const uint32_t colour = static_cast<uint32_t>(std::countr_one(a | b));
-      a |= uint64_t{1} << colour;
-      b |= uint64_t{1} << colour;
+      const uint32_t colour = static_cast<uint32_t>(std::countr_zero(free) + side);
+      taken[i] |= uint64_t{1} << colour;
+      taken[j] |= uint64_t{1} << colour;
       own.colour[k] = 64 * round + colour;
       ++own.colour_count[own.colour[k]];
-    }
-    waiting.resize(left);
-    ++round;
+    });
   }
   uint32_t end = 0;
   for (uint32_t& n : own.colour_count) {
     const uint32_t begin = end;
-    end += (n + 3) & ~3u;
+    end += (n + kBatch - 1) & ~(kBatch - 1);
     n = begin;
   }
   own.count = end;
@@ -115,72 +165,63 @@ void PairLists::batch(const Grid& grid, uint32_t s) {
   remake(own.j, end);
   const uint32_t idle = static_cast<uint32_t>(slab_of.size()) + s * kIdleBodies;
   for (uint32_t k = 0; k < end; ++k) {
-    own.i[k] = idle + (k & 3);
-    own.j[k] = idle + 4 + (k & 3);
+    own.i[k] = idle + k % kBatch;
+    own.j[k] = idle + kBatch + k % kBatch;
   }
-  for (uint32_t k = 0; k < total; ++k) {
-    PairSlab& finder = (own.pending[k] & kAbove) != 0 ? slab[above] : own;
-    const uint32_t at = own.pending[k] & ~kAbove;
+  eachPair([&](uint32_t k, uint32_t i, uint32_t j) {
     const uint32_t contact = own.colour_count[own.colour[k]]++;
-    own.i[contact] = finder.found_i[at];
-    own.j[contact] = finder.found_j[at];
-    finder.found_at[at] = contact;
-  }
+    own.i[contact] = i;
+    own.j[contact] = j;
+  });
 }
 
-void PairLists::fill(uint32_t s, const Bodies& bodies, const PairLists& old,
-                     std::span<const uint32_t> order, std::span<const uint32_t> history) {
+void PairLists::fill(uint32_t s, const Bodies& bodies) {
   PairSlab& own = slab[s];
-  refill(own.lanes, size_t{own.count} * laneCount(rolling, bouncing), 0.0f);
+  const size_t batches = own.count / kBatch;
+  refill(own.impulse, batches, ImpulseBatch{});
+  refill(own.trust, batches, uint8_t{0});
+  refill(own.rolling, rolling ? batches : 0, RollingBatch{});
+  refill(own.bouncing, bouncing ? batches : 0, BouncingBatch{});
   own.bounces.clear();
-  float* friction = own.lane(Lane::Friction);
-  const bool any_old = old.slab_count > 0;
-  const uint32_t copied = laneCount(rolling && old.rolling, false);
   for (uint32_t c = 0; c < own.count; ++c) {
-    const uint32_t i = own.i[c], j = own.j[c];
+    const uint32_t i = own.i[c], j = own.j[c], b = c / kBatch, lane = c % kBatch;
     if (i >= bodies.count) continue;
-    const GrainMaterial &a = bodies.material[i], &b = bodies.material[j];
-    friction[c] = std::sqrt(a.friction * b.friction);
+    const GrainMaterial &mi = bodies.material[i], &mj = bodies.material[j];
     if (rolling)
-      own.lane(Lane::RollingFriction)[c] = std::max(a.rolling_friction, b.rolling_friction);
-    if (bouncing) own.lane(Lane::Restitution)[c] = std::max(a.restitution, b.restitution);
-    if (!any_old) continue;
-    const uint32_t old_i = history[order[i]], old_j = history[order[j]];
-    if (old_i == kNoSlot || old_j == kNoSlot) continue;
-    const auto take = [&](uint32_t finder, uint32_t other, float sign) {
-      const PairSlab& from = old.slab[old.slab_of[finder]];
-      for (uint32_t k = old.found_begin[finder]; k < old.found_end[finder]; ++k) {
-        if (from.found_j[k] != other) continue;
-        const uint32_t owner_slab = [&] {
-          const uint32_t fs = old.slab_of[finder], os = old.slab_of[other];
-          const uint32_t below = (fs + old.slab_count - 1) & (old.slab_count - 1);
-          return os == below ? below : fs;
-        }();
-        const PairSlab& owner = old.slab[owner_slab];
-        const uint32_t at = from.found_at[k];
-        for (uint32_t l = 0; l < copied; ++l) {
-          const Lane lane = static_cast<Lane>(l);
-          if (lane == Lane::Friction || lane == Lane::RollingFriction) continue;
-          const bool flips = lane <= Lane::ImpulseZ || lane >= Lane::RollingX;
-          own.lane(lane)[c] = (flips ? sign : 1.0f) * owner.lane(lane)[at];
-        }
-        return true;
-      }
-      return false;
-    };
-    if (!take(old_i, old_j, 1)) take(old_j, old_i, -1);
+      own.rolling[b].friction[lane] = std::max(mi.rolling_friction, mj.rolling_friction);
+    if (bouncing) own.bouncing[b].restitution[lane] = std::max(mi.restitution, mj.restitution);
+    if (kept_.contact.empty()) continue;
+    const uint32_t low = std::min(i, j), high = std::max(i, j);
+    const float sign = i < j ? 1.0f : -1.0f;
+    for (uint32_t k = low > 0 ? kept_.begin[low - 1] : 0; k < kept_.begin[low]; ++k) {
+      const KeptPairs::Contact& kept = kept_.contact[k];
+      if ((kept.other & ~KeptPairs::kTrusted) != high) continue;
+      for (int axis = 0; axis < 3; ++axis)
+        own.impulse[b].impulse[axis][lane] = sign * kept.impulse[axis];
+      if (rolling && !kept_.rolling.empty())
+        for (int axis = 0; axis < 3; ++axis)
+          own.rolling[b].impulse[axis][lane] = sign * kept_.rolling[k][axis];
+      if ((kept.other & KeptPairs::kTrusted) != 0)
+        own.trust[b] = static_cast<uint8_t>(own.trust[b] | 1u << lane);
+      break;
+    }
   }
 }
 
 size_t PairLists::memoryBytes() const {
-  size_t words = slab_of.capacity() + found_begin.capacity() + found_end.capacity() +
-                 2 * (mask[0].capacity() + mask[1].capacity());
+  size_t bytes = 4 * (slab_of.capacity() + found_end.capacity() + slot_now_.capacity() +
+                      kept_.begin.capacity()) +
+                 8 * (mask[0].capacity() + mask[1].capacity()) +
+                 sizeof(KeptPairs::Contact) * kept_.contact.capacity() +
+                 sizeof(vec3) * kept_.rolling.capacity();
   for (const PairSlab& s : slab)
-    words += s.found_i.capacity() + s.found_j.capacity() + s.found_at.capacity() +
-             s.i.capacity() + s.j.capacity() + s.lanes.capacity() + s.pending.capacity() +
-             s.again.capacity() + s.colour.capacity() + s.colour_count.capacity() +
-             s.bounces.capacity() * (sizeof(Bounce) / 4);
-  return words * 4;
+    bytes += 4 * (s.found_j.capacity() + s.i.capacity() + s.j.capacity() +
+                  s.colour_count.capacity() + s.colour.capacity()) +
+             sizeof(s.foreign[0]) * s.foreign.capacity() +
+             sizeof(ImpulseBatch) * s.impulse.capacity() + s.trust.capacity() +
+             sizeof(RollingBatch) * s.rolling.capacity() +
+             sizeof(BouncingBatch) * s.bouncing.capacity() + sizeof(Bounce) * s.bounces.capacity();
+  return bytes;
 }
 
 }  // namespace scree::grains

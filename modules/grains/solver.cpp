@@ -31,6 +31,9 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   const vec3 gravity_step = parameters.gravity * h;
   const float keep = std::clamp(1 - parameters.damping * h, 0.0f, 1.0f);
 
+  const Kernels* wide = parameters.lanes == Lanes::Widest ? wideKernels() : nullptr;
+  kernels_ = wide != nullptr ? wide : &kBaselineKernels;
+  grid_.use(*kernels_);
   stats_.rebuilds = 0;
   if (adopt(tables)) search_due_ = true;
   readRows(tables);
@@ -67,9 +70,10 @@ bool GrainSolver::predict(vec3 gravity_step, float h) {
       const Reference& reference = bodies_.reference[k];
       const vec3 strayed = grain.position - reference.position - drift;
       const vec3 relative = grain.velocity - drift_;
-      leaves = leaves || !(std::sqrt(glm::dot(strayed, strayed)) +
-                               h * std::sqrt(glm::dot(relative, relative)) <=
-                           reference.margin);
+      const float way = glm::dot(strayed, strayed), next = h * h * glm::dot(relative, relative);
+      // (a + b)^2 <= 2 (a^2 + b^2): hardly any grain needs the roots.
+      if (2.001f * (way + next) <= reference.margin * reference.margin) continue;
+      leaves = leaves || !(std::sqrt(way) + std::sqrt(next) <= reference.margin);
     }
     chunk_flags_[chunk] = leaves;
   });
@@ -106,14 +110,14 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
   };
   alternate(0, [&](PairSlab& pairs, ColliderSlab& walls) {
     placeSurfaces(walls, body, posed_);
-    applyKeptPairs(pairs, body, settings);
+    kernels_->applyKept(pairs, body, settings);
     applyKeptColliders(walls, body);
   });
   const int passes = std::clamp(parameters.passes, 1, 64);
   for (int pass = 0; pass < passes; ++pass) {
     settings.first_pass = pass == 0;
     alternate(pass + 1, [&](PairSlab& pairs, ColliderSlab& walls) {
-      relaxPairs(pairs, body, bodies_.entity.data(), settings);
+      kernels_->relax(pairs, body, bodies_.entity.data(), settings);
       relaxColliders(walls, body, posed_, settings);
     });
   }
@@ -184,18 +188,16 @@ void GrainSolver::scaleKeptImpulses(float factor) {
   // A force lasts h: its impulse scales with h. Far longer steps start afresh.
   const float scale = factor > 4 ? 0.0f : factor;
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
-    PairSlab& slab = pairs_.slab[s];
-    for (Lane which : {Lane::ImpulseX, Lane::ImpulseY, Lane::ImpulseZ, Lane::MomentX,
-                       Lane::MomentY, Lane::MomentZ})
-      for (uint32_t c = 0; c < slab.count; ++c) slab.lane(which)[c] *= scale;
-    if (pairs_.rolling || pairs_.bouncing)
-      for (Lane which : {Lane::RollingX, Lane::RollingY, Lane::RollingZ})
-        for (uint32_t c = 0; c < slab.count; ++c) slab.lane(which)[c] *= scale;
+    const auto scaled = [&](float(&p)[3][kBatch]) {
+      for (auto& axis : p)
+        for (float& lane : axis) lane *= scale;
+    };
+    for (ImpulseBatch& batch : pairs_.slab[s].impulse) scaled(batch.impulse);
+    for (RollingBatch& batch : pairs_.slab[s].rolling) scaled(batch.impulse);
   }
   for (uint32_t s = 0; s < walls_.slab_count; ++s) {
     for (ColliderContact& contact : walls_.slab[s].contact) {
       contact.impulse *= scale;
-      contact.moment *= scale;
       contact.rolling *= scale;
     }
   }
@@ -217,9 +219,7 @@ void GrainSolver::shareHeavyLoads() {
     const PairSlab& slab = pairs_.slab[s];
     for (uint32_t c = 0; c < slab.count; ++c) {
       if (slab.i[c] >= bodies_.count) continue;
-      if (slab.lane(Lane::ImpulseX)[c] == 0 && slab.lane(Lane::ImpulseY)[c] == 0 &&
-          slab.lane(Lane::ImpulseZ)[c] == 0)
-        continue;
+      if (!slab.carriesImpulse(c)) continue;
       Body &i = bodies_.body[slab.i[c]], &j = bodies_.body[slab.j[c]];
       Body& light = i.inverse_mass > j.inverse_mass ? i : j;
       const Body& heavy = i.inverse_mass > j.inverse_mass ? j : i;
@@ -227,7 +227,6 @@ void GrainSolver::shareHeavyLoads() {
       if (light.inverse_mass <= most) continue;
       const float scale = most / light.inverse_mass;
       light.inverse_mass *= scale;
-      light.spin_factor *= scale;
       light.gravity_scale *= scale;
     }
   }

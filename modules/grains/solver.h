@@ -37,6 +37,9 @@ struct GrainRows {
   std::span<const GrainMaterial> material;
 };
 
+// Which instructions the pair passes use; the results are the same to the bit.
+enum class Lanes : uint32_t { Widest, Baseline };
+
 struct StepParameters {
   float dt = 1.0f / 60;  // s; 0 or less, or NaN: nothing happens
   vec3 gravity{0, -9.81f, 0};
@@ -44,6 +47,7 @@ struct StepParameters {
   int passes = 3;
   float damping = 0;  // 1/s
   vec3 bounds_min{-500, -50, -500}, bounds_max{500, 500, 500};
+  Lanes lanes = Lanes::Widest;
 };
 
 class GrainSolver {
@@ -82,8 +86,9 @@ class GrainSolver {
   // A slot is a grain's place in the solver's arrays: sorted by cell, changed by each search.
   Bodies bodies_, sorted_;
   Grid grid_;
-  PairLists pairs_, old_pairs_;
-  ColliderLists walls_, old_walls_;
+  const Kernels* kernels_ = &kBaselineKernels;
+  PairLists pairs_;
+  ColliderLists walls_;
   std::vector<uint32_t> order_;    // slot -> slot before the last sort
   std::vector<uint32_t> history_;  // slot -> slot in the contact lists; kNoSlot: not in them
   std::vector<float> margin_;      // by slot, m

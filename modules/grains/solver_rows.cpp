@@ -118,7 +118,7 @@ void GrainSolver::readRows(std::span<const GrainRows> tables) {
       body.velocity = table.velocity[k].linear;
       body.spin = table.spin[k].angular;
       body.inverse_mass = 1 / grainMass(grain.radius, table.material[k].density);
-      body.spin_factor = 2.5f * body.inverse_mass / grain.radius;
+      body.friction_root = std::sqrt(table.material[k].friction);
       body.gravity_scale = 1;
     }
   }
@@ -217,8 +217,7 @@ void GrainSolver::searchNeighbours(float h) {
   for (uint32_t& slot : slot_of_row_)
     if (slot != kNoSlot) slot = slot_moved_[slot];
   grid_.read(bodies_);
-  std::swap(pairs_, old_pairs_);
-  pairs_.build(grid_, bodies_, old_pairs_, order_, history_);
+  pairs_.build(grid_, bodies_, pairs_, order_, history_);
   search_due_ = false;
   walls_due_ = true;
   searched_ = true;
@@ -227,14 +226,9 @@ void GrainSolver::searchNeighbours(float h) {
 
 // Lists the grains near colliders; impulses are kept across this and across searches.
 void GrainSolver::listColliders(std::span<const Collider> colliders, float dt) {
-  std::swap(walls_, old_walls_);
   // Grains move by their margin and by the drift until the lists are made again, next tick.
   const float extra = std::sqrt(glm::dot(drift_, drift_)) * dt;
-  if (searched_) {
-    walls_.build(grid_, bodies_, colliders, extra, old_walls_, old_pairs_, order_, history_);
-  } else {
-    walls_.build(grid_, bodies_, colliders, extra, old_walls_, pairs_, history_, history_);
-  }
+  walls_.build(grid_, bodies_, colliders, extra, searched_, order_, history_);
   if (searched_) {
     for (uint32_t k = 0; k < bodies_.count; ++k) order_[k] = k;
     history_.resize(bodies_.count);
@@ -250,9 +244,7 @@ void GrainSolver::measure() {
   float deepest = 0;
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
     const PairSlab& pairs = pairs_.slab[s];
-    const float *x = pairs.lane(Lane::ImpulseX), *y = pairs.lane(Lane::ImpulseY),
-                *z = pairs.lane(Lane::ImpulseZ);
-    for (uint32_t c = 0; c < pairs.count; ++c) contacts += x[c] != 0 || y[c] != 0 || z[c] != 0;
+    contacts += pairs.carried;
     for (const ColliderContact& contact : walls_.slab[s].contact)
       contacts += contact.impulse != vec3(0);
     deepest = std::max({deepest, pairs.deepest, walls_.slab[s].deepest});
@@ -294,7 +286,7 @@ size_t GrainSolver::memoryBytes() const {
            b.reference.capacity() * sizeof(Reference);
   };
   return bodies(bodies_) + bodies(sorted_) + grid_.memoryBytes() + pairs_.memoryBytes() +
-         old_pairs_.memoryBytes() + walls_.memoryBytes() + old_walls_.memoryBytes() +
+         walls_.memoryBytes() +
          4 * (order_.capacity() + history_.capacity() + old_history_.capacity() +
               slot_of_index_.capacity() + slot_of_row_.capacity() + slot_moved_.capacity() +
               margin_.capacity()) +

@@ -1,0 +1,161 @@
+// Listing the grains near colliders; impulses are taken over from the lists before.
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/parallel.h"
+#include "modules/grains/contacts.h"
+
+namespace scree::grains {
+namespace {
+
+bool apart(const Bounds& a, const Bounds& b) {
+  return a.max.x < b.min.x || b.max.x < a.min.x || a.max.y < b.min.y || b.max.y < a.min.y ||
+         a.max.z < b.min.z || b.max.z < a.min.z;
+}
+
+// In all that lists depend on.
+bool alike(const Collider& a, const Collider& b) {
+  return a.shape == b.shape && a.position0 == b.position0 && a.position1 == b.position1 &&
+         a.rotation0 == b.rotation0 && a.rotation1 == b.rotation1 &&
+         a.half_extent == b.half_extent && a.a == b.a && a.b == b.b && a.radius == b.radius &&
+         a.friction == b.friction && a.rolling_friction == b.rolling_friction &&
+         a.restitution == b.restitution;
+}
+
+}  // namespace
+
+// Notes where the colliders go; true if any is not as it was.
+bool ColliderLists::sweep(std::span<const Collider> colliders) {
+  bool same_keys = swept_.size() == colliders.size();
+  for (size_t k = 0; k < colliders.size() && same_keys; ++k)
+    same_keys = swept_[k].collider.key == colliders[k].key;
+  bool any = !same_keys;
+  swept_.resize(colliders.size());
+  for (size_t k = 0; k < colliders.size(); ++k) {
+    Swept& swept = swept_[k];
+    swept.fresh = !same_keys || !alike(swept.collider, colliders[k]);
+    if (!swept.fresh) continue;
+    any = true;
+    swept.collider = colliders[k];
+    swept.bounds = sweptBounds(colliders[k]);
+    swept.motion = motionBound(colliders[k]);
+    swept.begin = poseCollider(colliders[k], 0, 0, 0);
+  }
+  if (!same_keys)  // indices have moved: nothing can stay in its place
+    for (Swept& swept : swept_) swept.fresh = true;
+  return any;
+}
+
+void ColliderLists::build(const Grid& grid, const Bodies& bodies,
+                          std::span<const Collider> colliders, float extra, bool searched,
+                          std::span<const uint32_t> order, std::span<const uint32_t> history) {
+  const bool changed = sweep(colliders), wider = extra > 0 || extra_ > 0;
+  if (!searched && !changed && !wider) return;
+  if (searched || wider)
+    for (Swept& swept : swept_) swept.fresh = true;
+  extra_ = extra;
+  const uint32_t slabs_before = slab_count;
+  slab_count = grid.slabCount();
+  if (slab.size() < slab_count) slab.resize(slab_count);
+  for (uint32_t s = 0; s < slab.size(); ++s) {
+    ColliderSlab& own = slab[s];
+    own.was.swap(own.contact);
+    own.contact.clear();
+    own.was_begin = own.begin;
+    own.begin = s < slab_count ? grid.slabBegin(s) : 0;
+    own.end = s < slab_count ? grid.slabEnd(s) : 0;
+  }
+  parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
+    list(uint32_t(s), bodies, extra);
+    for (ColliderContact& contact : slab[s].contact) {
+      if (!swept_[contact.collider].fresh) continue;
+      const uint32_t was = searched ? history[order[contact.grain]] : contact.grain;
+      if (was == kNoSlot) continue;
+      if (const ColliderContact* before = formerly(was, contact.key, slabs_before)) {
+        contact.impulse = before->impulse;
+        contact.rolling = before->rolling;
+        contact.trust = before->trust;
+        contact.normal = before->normal;
+      }
+    }
+  });
+}
+
+void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra) {
+  ColliderSlab& own = slab[s];
+  own.bounces.clear();
+  Bounds bounds{vec3(3e38f), vec3(-3e38f)};
+  for (uint32_t i = own.begin; i < own.end; ++i) {
+    const float reach = bodies.body[i].radius + bodies.reference[i].margin + extra;
+    bounds.min = glm::min(bounds.min, bodies.body[i].position - reach);
+    bounds.max = glm::max(bounds.max, bodies.body[i].position + reach);
+  }
+  own.near.clear();
+  const vec3 centre = 0.5f * (bounds.min + bounds.max);
+  const float around = 1.001f * glm::length(bounds.max - centre);
+  for (uint32_t k = 0; k < swept_.size(); ++k) {
+    const Swept& swept = swept_[k];
+    // Whatever lies farther than the corners from the centre is apart from all within.
+    if (!swept.fresh || (!apart(bounds, swept.bounds) &&
+                         !(nearestSurface(swept.begin, centre).distance > around + swept.motion)))
+      own.near.push_back(k);
+  }
+  if (own.near.empty()) return;
+  auto stays = own.was.begin();
+  for (uint32_t i = own.begin; i < own.end; ++i) {
+    const Body& grain = bodies.body[i];
+    const float reach = grain.radius + bodies.reference[i].margin + extra;
+    const Bounds own_bounds{grain.position - reach, grain.position + reach};
+    for (const uint32_t k : own.near) {
+      const Swept& swept = swept_[k];
+      if (!swept.fresh) {
+        while (stays != own.was.end() &&
+               (stays->grain < i || (stays->grain == i && stays->collider < k)))
+          ++stays;
+        if (stays != own.was.end() && stays->grain == i && stays->collider == k)
+          own.contact.push_back(*stays);
+        continue;
+      }
+      if (apart(own_bounds, swept.bounds) ||
+          !(nearestSurface(swept.begin, grain.position).distance < reach + swept.motion))
+        continue;
+      const Collider& collider = swept.collider;
+      ColliderContact contact;
+      contact.grain = i;
+      contact.collider = k;
+      contact.key = collider.key;
+      contact.friction = std::sqrt(bodies.material[i].friction * collider.friction);
+      contact.rolling_friction =
+          std::max(bodies.material[i].rolling_friction, collider.rolling_friction);
+      contact.restitution = std::max(bodies.material[i].restitution, collider.restitution);
+      own.contact.push_back(contact);
+    }
+  }
+}
+
+// The contact of a former slot with a collider in the lists before; null: none.
+const ColliderContact* ColliderLists::formerly(uint32_t slot, uint32_t key, uint32_t slabs) const {
+  const auto above = std::upper_bound(
+      slab.begin(), slab.begin() + slabs, slot,
+      [](uint32_t at, const ColliderSlab& one) { return at < one.was_begin; });
+  if (above == slab.begin()) return nullptr;
+  const std::vector<ColliderContact>& from = std::prev(above)->was;
+  auto it = std::lower_bound(from.begin(), from.end(), slot,
+                             [](const ColliderContact& a, uint32_t at) { return a.grain < at; });
+  for (; it != from.end() && it->grain == slot; ++it)
+    if (it->key == key) return &*it;
+  return nullptr;
+}
+
+size_t ColliderLists::memoryBytes() const {
+  size_t bytes = swept_.capacity() * sizeof(Swept);
+  for (const ColliderSlab& s : slab)
+    bytes += (s.contact.capacity() + s.was.capacity()) * sizeof(ColliderContact) +
+             s.near.capacity() * sizeof(uint32_t) + s.bounces.capacity() * sizeof(Bounce);
+  return bytes;
+}
+
+}  // namespace scree::grains

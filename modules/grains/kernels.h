@@ -1,0 +1,34 @@
+// The loops over lanes, as compiled for one instruction set each. All sets give the same bits.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/ecs/entity.h"
+
+namespace scree::grains {
+
+struct Body;
+struct PairSlab;
+struct PassSettings;
+
+// What a search reads of all grains, by slot, with kMostLanes idle entries behind the last.
+struct Reaches {
+  const float *x, *y, *z, *reach;  // m
+};
+inline constexpr uint32_t kMostLanes = 8;
+
+struct Kernels {
+  // Velocities take up the impulses kept from the last substep.
+  void (*applyKept)(PairSlab& slab, Body* body, const PassSettings& settings);
+  // One pass: impulses that stop approach and sliding, then a shift that undoes overlap.
+  void (*relax)(PairSlab& slab, Body* body, const Entity* entity, const PassSettings& settings);
+  // Writes the slots in [begin, end) within reach of `slot`, in order, and returns how many they
+  // are; may write kMostLanes - 1 more than that.
+  uint32_t (*scan)(const Reaches& grains, uint32_t slot, uint32_t begin, uint32_t end,
+                   uint32_t* hits);
+};
+extern const Kernels kBaselineKernels;
+// Null where this processor or compiler has no wider set.
+const Kernels* wideKernels();
+
+}  // namespace scree::grains

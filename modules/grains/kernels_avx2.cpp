@@ -1,0 +1,39 @@
+// The kernels for AVX2. The target is set for these functions alone, after all other headers,
+// so that no function shared with other files is compiled for it.
+#include "modules/grains/pair_pass.h"
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <immintrin.h>
+
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2")
+#endif
+#define SCREE_LANES avx2
+#define SCREE_LANES_AVX2
+#include "modules/grains/lanes8.h"
+#include "modules/grains/pair_kernel.h"
+#include "modules/grains/scan_kernel.h"
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+namespace scree::grains {
+
+const Kernels* wideKernels() {
+  static constexpr Kernels kWide{avx2::applyKept, avx2::relax, avx2::scan};
+  return __builtin_cpu_supports("avx2") ? &kWide : nullptr;
+}
+
+}  // namespace scree::grains
+#else
+namespace scree::grains {
+
+const Kernels* wideKernels() { return nullptr; }
+
+}  // namespace scree::grains
+#endif

@@ -1,0 +1,151 @@
+// Eight floats in lock step, for the instruction set whose namespace SCREE_LANES names: AVX2, or
+// two fours. Without an include guard: included once for each instruction set.
+// Only operations that IEEE 754 rounds exactly, and no fused ones: all sets give the same bits.
+// A mask is tested over all eight lanes, so that a branch falls the same way in each set.
+
+namespace scree::simd::SCREE_LANES {
+
+#if defined(SCREE_LANES_AVX2)
+
+struct Float8 {
+  __m256 v;
+};
+
+inline Float8 splat(float a) { return {_mm256_set1_ps(a)}; }
+inline Float8 load(const float* p) { return {_mm256_loadu_ps(p)}; }
+inline void store(float* p, Float8 a) { _mm256_storeu_ps(p, a.v); }
+inline Float8 operator+(Float8 a, Float8 b) { return {_mm256_add_ps(a.v, b.v)}; }
+inline Float8 operator-(Float8 a, Float8 b) { return {_mm256_sub_ps(a.v, b.v)}; }
+inline Float8 operator*(Float8 a, Float8 b) { return {_mm256_mul_ps(a.v, b.v)}; }
+inline Float8 operator/(Float8 a, Float8 b) { return {_mm256_div_ps(a.v, b.v)}; }
+inline Float8 sqrt(Float8 a) { return {_mm256_sqrt_ps(a.v)}; }
+// The second operand if either is NaN.
+inline Float8 min(Float8 a, Float8 b) { return {_mm256_min_ps(a.v, b.v)}; }
+inline Float8 max(Float8 a, Float8 b) { return {_mm256_max_ps(a.v, b.v)}; }
+// Masks: all bits of a lane set or clear.
+inline Float8 less(Float8 a, Float8 b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LT_OS)}; }
+inline Float8 lessEqual(Float8 a, Float8 b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LE_OS)}; }
+inline Float8 notEqual(Float8 a, Float8 b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_NEQ_UQ)}; }
+inline Float8 operator&(Float8 a, Float8 b) { return {_mm256_and_ps(a.v, b.v)}; }
+inline Float8 operator|(Float8 a, Float8 b) { return {_mm256_or_ps(a.v, b.v)}; }
+// b where the mask is clear.
+inline Float8 andNot(Float8 mask, Float8 b) { return {_mm256_andnot_ps(mask.v, b.v)}; }
+inline Float8 select(Float8 mask, Float8 a, Float8 b) { return {_mm256_blendv_ps(b.v, a.v, mask.v)}; }
+// One bit a lane.
+inline unsigned bits(Float8 mask) { return static_cast<unsigned>(_mm256_movemask_ps(mask.v)); }
+
+// The first four floats of eight rows that lie `offset` floats into the items at base[slot[k]],
+// each item `stride` floats long: columns x, y, z, w.
+inline void gather(const float* base, size_t stride, const uint32_t* slot, Float8& x, Float8& y,
+                   Float8& z, Float8& w) {
+  const auto rows = [&](int k) {
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + stride * slot[k])),
+                                _mm_load_ps(base + stride * slot[k + 4]), 1);
+  };
+  const __m256 a = rows(0), b = rows(1), c = rows(2), d = rows(3);
+  const __m256 ab_low = _mm256_unpacklo_ps(a, b), cd_low = _mm256_unpacklo_ps(c, d);
+  const __m256 ab_high = _mm256_unpackhi_ps(a, b), cd_high = _mm256_unpackhi_ps(c, d);
+  x.v = _mm256_shuffle_ps(ab_low, cd_low, 0x44);
+  y.v = _mm256_shuffle_ps(ab_low, cd_low, 0xee);
+  z.v = _mm256_shuffle_ps(ab_high, cd_high, 0x44);
+  w.v = _mm256_shuffle_ps(ab_high, cd_high, 0xee);
+}
+inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, Float8 y, Float8 z,
+                    Float8 w) {
+  const __m256 xy_low = _mm256_unpacklo_ps(x.v, y.v), xy_high = _mm256_unpackhi_ps(x.v, y.v);
+  const __m256 zw_low = _mm256_unpacklo_ps(z.v, w.v), zw_high = _mm256_unpackhi_ps(z.v, w.v);
+  const auto put = [&](int k, __m256 rows) {
+    _mm_store_ps(base + stride * slot[k], _mm256_castps256_ps128(rows));
+    _mm_store_ps(base + stride * slot[k + 4], _mm256_extractf128_ps(rows, 1));
+  };
+  put(0, _mm256_shuffle_ps(xy_low, zw_low, 0x44));
+  put(1, _mm256_shuffle_ps(xy_low, zw_low, 0xee));
+  put(2, _mm256_shuffle_ps(xy_high, zw_high, 0x44));
+  put(3, _mm256_shuffle_ps(xy_high, zw_high, 0xee));
+}
+
+#else
+
+struct Float8 {
+  Float4 a, b;
+};
+
+inline Float8 splat(float a) { return {simd::splat(a), simd::splat(a)}; }
+inline Float8 load(const float* p) { return {simd::load(p), simd::load(p + 4)}; }
+inline void store(float* p, Float8 f) {
+  simd::store(p, f.a);
+  simd::store(p + 4, f.b);
+}
+inline Float8 operator+(Float8 f, Float8 g) { return {f.a + g.a, f.b + g.b}; }
+inline Float8 operator-(Float8 f, Float8 g) { return {f.a - g.a, f.b - g.b}; }
+inline Float8 operator*(Float8 f, Float8 g) { return {f.a * g.a, f.b * g.b}; }
+inline Float8 operator/(Float8 f, Float8 g) { return {f.a / g.a, f.b / g.b}; }
+inline Float8 sqrt(Float8 f) { return {simd::sqrt(f.a), simd::sqrt(f.b)}; }
+inline Float8 min(Float8 f, Float8 g) { return {simd::min(f.a, g.a), simd::min(f.b, g.b)}; }
+inline Float8 max(Float8 f, Float8 g) { return {simd::max(f.a, g.a), simd::max(f.b, g.b)}; }
+inline Float8 less(Float8 f, Float8 g) { return {simd::less(f.a, g.a), simd::less(f.b, g.b)}; }
+inline Float8 lessEqual(Float8 f, Float8 g) {
+  return {simd::lessEqual(f.a, g.a), simd::lessEqual(f.b, g.b)};
+}
+inline Float8 notEqual(Float8 f, Float8 g) {
+  return {simd::notEqual(f.a, g.a), simd::notEqual(f.b, g.b)};
+}
+inline Float8 operator&(Float8 f, Float8 g) { return {f.a & g.a, f.b & g.b}; }
+inline Float8 operator|(Float8 f, Float8 g) { return {f.a | g.a, f.b | g.b}; }
+inline Float8 andNot(Float8 mask, Float8 g) {
+  return {simd::andNot(mask.a, g.a), simd::andNot(mask.b, g.b)};
+}
+inline Float8 select(Float8 mask, Float8 f, Float8 g) {
+  return {simd::select(mask.a, f.a, g.a), simd::select(mask.b, f.b, g.b)};
+}
+inline unsigned bits(Float8 mask) {
+  return static_cast<unsigned>(simd::bits(mask.a) | simd::bits(mask.b) << 4);
+}
+
+inline void gather(const float* base, size_t stride, const uint32_t* slot, Float8& x, Float8& y,
+                   Float8& z, Float8& w) {
+  const auto row = [&](int k) { return simd::load(base + stride * slot[k]); };
+  x.a = row(0), y.a = row(1), z.a = row(2), w.a = row(3);
+  simd::transpose(x.a, y.a, z.a, w.a);
+  x.b = row(4), y.b = row(5), z.b = row(6), w.b = row(7);
+  simd::transpose(x.b, y.b, z.b, w.b);
+}
+inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, Float8 y, Float8 z,
+                    Float8 w) {
+  const auto put = [&](int k, Float4 row) { simd::store(base + stride * slot[k], row); };
+  simd::transpose(x.a, y.a, z.a, w.a);
+  put(0, x.a), put(1, y.a), put(2, z.a), put(3, w.a);
+  simd::transpose(x.b, y.b, z.b, w.b);
+  put(4, x.b), put(5, y.b), put(6, z.b), put(7, w.b);
+}
+
+#endif
+
+inline bool any(Float8 mask) { return bits(mask) != 0; }
+// The mask whose bits() are these.
+inline Float8 maskOf(unsigned lanes) {
+  alignas(32) uint32_t lane[8];
+  for (unsigned k = 0; k < 8; ++k) lane[k] = 0u - (lanes >> k & 1u);
+  return load(reinterpret_cast<const float*>(lane));
+}
+
+// Three components of eight lanes.
+struct Vec3x8 {
+  Float8 x, y, z;
+};
+inline Vec3x8 operator+(Vec3x8 a, Vec3x8 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec3x8 operator-(Vec3x8 a, Vec3x8 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec3x8 operator*(Float8 s, Vec3x8 a) { return {s * a.x, s * a.y, s * a.z}; }
+inline Vec3x8 operator&(Float8 mask, Vec3x8 a) { return {mask & a.x, mask & a.y, mask & a.z}; }
+inline Float8 dot(Vec3x8 a, Vec3x8 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3x8 cross(Vec3x8 a, Vec3x8 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Vec3x8 load3(const float (*p)[8]) { return {load(p[0]), load(p[1]), load(p[2])}; }
+inline void store3(float (*p)[8], Vec3x8 a) {
+  store(p[0], a.x);
+  store(p[1], a.y);
+  store(p[2], a.z);
+}
+
+}  // namespace scree::simd::SCREE_LANES

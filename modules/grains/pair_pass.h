@@ -1,0 +1,21 @@
+// What the kernels of every instruction set share.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "modules/grains/contacts.h"
+#include "modules/grains/simd4.h"
+
+namespace scree::grains {
+
+inline constexpr size_t kPosition = 0, kVelocity = 4, kSpin = 8;  // floats into Body
+static_assert(offsetof(Body, velocity) == 4 * kVelocity && offsetof(Body, spin) == 4 * kSpin);
+
+// Where two centres coincide, a direction that depends on the two entities only.
+vec3 anyDirection(Entity a, Entity b);
+
+}  // namespace scree::grains
