@@ -72,10 +72,12 @@ fs::path temporaryPath(const fs::path& path) {
 }
 
 fs::path behindLink(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as the kernel follows
+  fs::path target = path;
   std::error_code code;
-  if (!fs::is_symlink(path, code) || code) return path;
-  const fs::path behind = fs::weakly_canonical(path, code);
-  return code ? path : behind;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(target, code); ++i)
+    target = target.parent_path() / fs::read_symlink(target, code);
+  return code ? path : target;
 }
 
 Status checkOutputPath(const fs::path& path, std::string_view what) {

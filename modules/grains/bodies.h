@@ -31,13 +31,22 @@ struct Reference {
   float margin = 0;
 };
 
+// Waking: still asleep for the lists, awake for the next tick.
+enum class Sleep : uint8_t { Awake, Asleep, Waking };
+
 struct Bodies {
   std::vector<Body> body;  // grains by slot, then idle bodies that fill up batches
   std::vector<Entity> entity;
   std::vector<GrainMaterial> material;
   std::vector<Reference> reference;
+  std::vector<Sleep> asleep;
   uint32_t count = 0;  // grains
 };
+
+// Empty, for bodies that never sleep, counts as awake.
+inline bool isAsleep(const Bodies& bodies, uint32_t slot) {
+  return slot < bodies.asleep.size() && bodies.asleep[slot] != Sleep::Awake;
+}
 
 // Makes `values` hold n copies of `value`. Grows with room to spare, so that lists whose length
 // wavers a little do not allocate again and again.

@@ -22,7 +22,7 @@ bool alike(const Collider& a, const Collider& b) {
          a.rotation0 == b.rotation0 && a.rotation1 == b.rotation1 &&
          a.half_extent == b.half_extent && a.a == b.a && a.b == b.b && a.radius == b.radius &&
          a.friction == b.friction && a.rolling_friction == b.rolling_friction &&
-         a.restitution == b.restitution;
+         a.restitution == b.restitution && a.surface_velocity == b.surface_velocity;
 }
 
 }  // namespace
@@ -47,6 +47,52 @@ bool ColliderLists::sweep(std::span<const Collider> colliders) {
   if (!same_keys)  // indices have moved: nothing can stay in its place
     for (Swept& swept : swept_) swept.fresh = true;
   return any;
+}
+
+const ColliderLists::Swept* ColliderLists::listed(uint32_t key) const {
+  const auto at = std::lower_bound(
+      swept_.begin(), swept_.end(), key,
+      [](const Swept& swept, uint32_t wanted) { return swept.collider.key < wanted; });
+  return at != swept_.end() && at->collider.key == key ? &*at : nullptr;
+}
+
+bool ColliderLists::rest(std::span<const Collider> colliders) const {
+  if (swept_.size() != colliders.size()) return false;
+  for (size_t k = 0; k < colliders.size(); ++k)
+    if (swept_[k].collider.key != colliders[k].key || colliders[k].moves() ||
+        !alike(swept_[k].collider, colliders[k]))
+      return false;
+  return true;
+}
+
+void ColliderLists::wakeDisturbed(Bodies& bodies, std::span<const Collider> colliders) const {
+  const auto wake = [&](uint32_t slot) {
+    if (isAsleep(bodies, slot)) bodies.asleep[slot] = Sleep::Waking;
+  };
+  std::vector<uint32_t> staying;  // keys
+  for (const Collider& collider : colliders) {
+    const Swept* before = listed(collider.key);
+    const bool same = before != nullptr && alike(before->collider, collider);
+    if (same) staying.push_back(collider.key);
+    if (same && !collider.moves()) continue;
+    const Bounds bounds = sweptBounds(collider);
+    const float motion = motionBound(collider);
+    const PosedCollider begin = poseCollider(collider, 0, 0, 0);
+    for (uint32_t k = 0; k < bodies.count; ++k) {
+      if (!isAsleep(bodies, k)) continue;
+      const Body& grain = bodies.body[k];
+      const float reach = 1.01f * grain.radius;
+      if (!apart({grain.position - reach, grain.position + reach}, bounds) &&
+          nearestSurface(begin, grain.position).distance < reach + motion)
+        wake(k);
+    }
+  }
+  if (staying.size() == swept_.size()) return;
+  for (uint32_t s = 0; s < slab_count; ++s)
+    for (const ColliderContact& contact : slab[s].contact)
+      if (contact.impulse != vec3(0) &&
+          !std::binary_search(staying.begin(), staying.end(), contact.key))
+        wake(contact.grain);
 }
 
 void ColliderLists::build(const Grid& grid, const Bodies& bodies,

@@ -56,7 +56,10 @@ struct PairSlab {
   // Found pairs by finder (a grain of this slab): the other grain.
   std::vector<uint32_t> found_j;
   // Batches: contacts whose grain pairs are disjoint within each.
-  uint32_t count = 0;  // contacts with the unused lanes, a multiple of kBatch
+  uint32_t count = 0;   // contacts with the unused lanes, a multiple of kBatch
+  uint32_t active = 0;  // of them those that the passes visit; between the rest, both grains sleep
+  uint32_t active_pairs = 0;
+  std::vector<uint32_t> border;  // contacts of which one grain sleeps
   std::vector<uint32_t> i, j;
   std::vector<ImpulseBatch> impulse;
   std::vector<uint8_t> trust;  // a bit a lane; clear: a substep old, its impulse is not kept
@@ -64,8 +67,15 @@ struct PairSlab {
   std::vector<BouncingBatch> bouncing;  // empty: nothing bounces
   std::vector<Bounce> bounces;
   float deepest = 0;     // overlap, m
-  uint32_t carried = 0;  // contacts that carry an impulse after the last pass
+  uint32_t carried = 0;  // active contacts that carry an impulse after the last pass
+  uint32_t carried_asleep = 0;
 
+  // Impulse on grain i.
+  vec3 impulseAt(uint32_t contact) const {
+    const ImpulseBatch& batch = impulse[contact / kBatch];
+    const uint32_t lane = contact % kBatch;
+    return {batch.impulse[0][lane], batch.impulse[1][lane], batch.impulse[2][lane]};
+  }
   bool carriesImpulse(uint32_t contact) const {
     const ImpulseBatch& batch = impulse[contact / kBatch];
     const uint32_t lane = contact % kBatch;
@@ -97,6 +107,7 @@ struct PairLists {
   std::vector<uint64_t> mask[2];             // colours taken, by parity of the slab
   bool rolling = false, bouncing = false;
   uint64_t pair_count = 0;
+  uint64_t active_count = 0;  // pairs of which a grain is awake
 
   // Finds all pairs of the grid and batches them; impulses are taken over from `old` (which may be
   // these lists themselves), whose slot of new slot k is history[order[k]] (kNoSlot: none).
@@ -156,6 +167,11 @@ struct ColliderLists {
   void build(const Grid& grid, const Bodies& bodies, std::span<const Collider> colliders,
              float extra, bool searched, std::span<const uint32_t> order,
              std::span<const uint32_t> history);
+  // True if these are the colliders that were listed last, and none moves.
+  bool rest(std::span<const Collider> colliders) const;
+  // Marks sleepers as waking that a collider which is new, changed or moving touches, or on which
+  // one that has changed or gone pressed. Before build().
+  void wakeDisturbed(Bodies& bodies, std::span<const Collider> colliders) const;
   size_t memoryBytes() const;
 
  private:
@@ -169,6 +185,7 @@ struct ColliderLists {
   };
   bool sweep(std::span<const Collider> colliders);
   void list(uint32_t s, const Bodies& bodies, float extra);
+  const Swept* listed(uint32_t key) const;
   const ColliderContact* formerly(uint32_t slot, uint32_t key, uint32_t slabs) const;
 
   std::vector<Swept> swept_;

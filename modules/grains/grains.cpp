@@ -12,7 +12,7 @@ GrainsState::GrainsState(World& world_in)
     : world(world_in),
       blocks(world_in.query<const GrainBlock>()),
       grains(world_in.query<Grain, GrainVelocity, GrainSpin, GrainOrientation, GrainPrevious,
-                            const GrainMaterial>()),
+                            GrainRest, const GrainMaterial>()),
       planes(world_in.query<const Transform, const PlaneCollider>()),
       boxes(world_in.query<const Transform, const BoxCollider>()),
       capsules(world_in.query<const Transform, const CapsuleCollider>()),

@@ -57,6 +57,15 @@ struct GrainPrevious {
 std::string fault(const GrainPrevious& value);
 SCREE_COMPONENT(GrainPrevious, (position, "m"));
 
+// Rest, which the solver keeps: see rest.h for when a grain falls asleep and what wakes it. An asleep
+// grain keeps its place to the bit; it wakes if its position, velocity or spin is written to.
+struct GrainRest {
+  vec3 anchor{0};       // where the rest began
+  float still = 0;      // time since the grain was last away from there
+  bool asleep = false;
+};
+SCREE_COMPONENT(GrainRest, (anchor, "m"), (still, "s"), (asleep, ""));
+
 // Two touching bodies use the geometric mean of their frictions and the larger of their
 // restitutions and rolling frictions.
 struct GrainMaterial {
@@ -197,6 +206,9 @@ SCREE_COMPONENT(RegionSensor, (half_extent, "m"), (count, ""), (mass, "kg"));
 // World singleton, filled by grains.step: counts of the last tick, for tests, benches, overlays.
 struct GrainStats {
   uint32_t grains = 0;
+  uint32_t asleep = 0;          // of them
+  uint32_t woken = 0;           // in the tick
+  uint32_t pairs_solved = 0;    // pairs that the passes visit: not both asleep
   uint32_t pairs = 0;           // neighbour pairs in the lists
   uint32_t contacts = 0;        // pairs and collider contacts that carry an impulse
   uint32_t rebuilds = 0;        // neighbour searches in the tick

@@ -1,5 +1,5 @@
 // Eight floats in lock step, for the instruction set whose namespace SCREE_LANES names: AVX2, or
-// two fours. Without an include guard: included once for each instruction set.
+// two fours. Included several times, once for each instruction set.
 // Only operations that IEEE 754 rounds exactly, and no fused ones: all sets give the same bits.
 // A mask is tested over all eight lanes, so that a branch falls the same way in each set.
 

@@ -1,5 +1,5 @@
-// The pair passes: impulses between neighbouring grains, eight pairs at a time. Without an include
-// guard: included once for each instruction set, see lanes8.h.
+// The pair passes: impulses between neighbouring grains, eight pairs at a time.
+// Included several times, once for each instruction set: see lanes8.h.
 //
 // Impulse P of a contact acts on grain i along the normal n (from j to i) and across it; both arms
 // end in one point of the line of centres, so that linear and angular momentum are conserved. A
@@ -58,7 +58,7 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
   const Float8 zero = splat(0), one = splat(1), tiny = splat(1e-37f);
   const Float8 h = splat(settings.h), inverse_h = splat(settings.inverse_h);
   const Float8 projection = splat(kProjection), slop = splat(kSlop);
-  const uint32_t batches = slab.count / kBatch;
+  const uint32_t batches = slab.active / kBatch;
   Float8 deepest = zero;
   slab.carried = 0;
 
@@ -174,7 +174,7 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
 
 inline void applyKept(PairSlab& slab, Body* body, const PassSettings& settings) {
   const Float8 zero = splat(0);
-  const uint32_t batches = slab.count / kBatch;
+  const uint32_t batches = slab.active / kBatch;
   slab.bounces.clear();
   slab.deepest = 0;
   for (uint32_t b = 0; b < batches; ++b) {

@@ -35,8 +35,11 @@ void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& o
     batch(grid, bodies, uint32_t(s));
     fill(uint32_t(s), bodies);
   });
-  pair_count = 0;
-  for (uint32_t s = 0; s < slab_count; ++s) pair_count += slab[s].found_j.size();
+  pair_count = active_count = 0;
+  for (uint32_t s = 0; s < slab_count; ++s) {
+    pair_count += slab[s].found_j.size();
+    active_count += slab[s].active_pairs;
+  }
 }
 
 // Lists the impulses of `old` by the slots of now. The order within a grain's list may vary with
@@ -127,7 +130,8 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
   };
   // A round has colours 0 to 31 for pairs that touch and 32 to 63 for the rest: whole batches of
   // which nothing comes cost little.
-  constexpr uint32_t kWaits = 0xffffffffu;
+  constexpr uint32_t kWaits = 0xffffffffu, kSleeps = 0xfffffffeu;
+  uint32_t sleeping = 0, total = 0;
   remake(own.colour, own.found_j.size() + own.foreign.size());
   own.colour_count.clear();
   uint32_t waiting = 1;
@@ -137,6 +141,12 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     own.colour_count.resize(64 * (round + 1), 0);
     eachPair([&](uint32_t k, uint32_t i, uint32_t j) {
       if (round > 0 && own.colour[k] != kWaits) return;
+      total += round == 0;
+      if (isAsleep(bodies, i) && isAsleep(bodies, j)) {
+        own.colour[k] = kSleeps;
+        ++sleeping;
+        return;
+      }
       const Body &a = bodies.body[i], &b = bodies.body[j];
       const vec3 d = a.position - b.position;
       const float near = kNearlyTouching * (a.radius + b.radius);
@@ -160,7 +170,12 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     end += (n + kBatch - 1) & ~(kBatch - 1);
     n = begin;
   }
+  own.active = end;
+  own.active_pairs = total - sleeping;
+  uint32_t slept = end;  // sleepers' contacts come last, in no batches
+  end += (sleeping + kBatch - 1) & ~(kBatch - 1);
   own.count = end;
+  own.border.clear();
   remake(own.i, end);
   remake(own.j, end);
   const uint32_t idle = static_cast<uint32_t>(slab_of.size()) + s * kIdleBodies;
@@ -169,7 +184,10 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     own.j[k] = idle + kBatch + k % kBatch;
   }
   eachPair([&](uint32_t k, uint32_t i, uint32_t j) {
-    const uint32_t contact = own.colour_count[own.colour[k]]++;
+    const uint32_t contact =
+        own.colour[k] == kSleeps ? slept++ : own.colour_count[own.colour[k]]++;
+    if (own.colour[k] != kSleeps && (isAsleep(bodies, i) || isAsleep(bodies, j)))
+      own.border.push_back(contact);
     own.i[contact] = i;
     own.j[contact] = j;
   });
@@ -183,6 +201,7 @@ void PairLists::fill(uint32_t s, const Bodies& bodies) {
   refill(own.rolling, rolling ? batches : 0, RollingBatch{});
   refill(own.bouncing, bouncing ? batches : 0, BouncingBatch{});
   own.bounces.clear();
+  own.carried_asleep = 0;
   for (uint32_t c = 0; c < own.count; ++c) {
     const uint32_t i = own.i[c], j = own.j[c], b = c / kBatch, lane = c % kBatch;
     if (i >= bodies.count) continue;
@@ -203,6 +222,7 @@ void PairLists::fill(uint32_t s, const Bodies& bodies) {
           own.rolling[b].impulse[axis][lane] = sign * kept_.rolling[k][axis];
       if ((kept.other & KeptPairs::kTrusted) != 0)
         own.trust[b] = static_cast<uint8_t>(own.trust[b] | 1u << lane);
+      own.carried_asleep += c >= own.active;
       break;
     }
   }
@@ -217,7 +237,7 @@ size_t PairLists::memoryBytes() const {
   for (const PairSlab& s : slab)
     bytes += 4 * (s.found_j.capacity() + s.i.capacity() + s.j.capacity() +
                   s.colour_count.capacity() + s.colour.capacity()) +
-             sizeof(s.foreign[0]) * s.foreign.capacity() +
+             sizeof(s.foreign[0]) * s.foreign.capacity() + 4 * s.border.capacity() +
              sizeof(ImpulseBatch) * s.impulse.capacity() + s.trust.capacity() +
              sizeof(RollingBatch) * s.rolling.capacity() +
              sizeof(BouncingBatch) * s.bouncing.capacity() + sizeof(Bounce) * s.bounces.capacity();

@@ -1,5 +1,5 @@
-// The distance tests of the neighbour search, eight grains at a time. Without an include guard:
-// included once for each instruction set, see lanes8.h.
+// The distance tests of the neighbour search, eight grains at a time. Included several times, once
+// for each instruction set: see lanes8.h.
 
 namespace scree::grains::SCREE_LANES {
 

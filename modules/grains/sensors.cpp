@@ -21,8 +21,8 @@ void senseLoads(GrainsState& state) {
   });
 }
 
-void senseRegions(GrainsState& state, const dvec3& origin) {
-  if (state.regions.empty()) return;
+void senseRegions(GrainsState& state, const dvec3& origin, bool asleep) {
+  if (state.regions.empty() || (asleep && state.regions.version() == state.regions_seen)) return;
   state.regions.each([&](const Transform& transform, RegionSensor& sensor) {
     const mat3 world_from_local = glm::mat3_cast(glm::normalize(transform.rotation));
     const vec3 centre = vec3(transform.position - origin);
@@ -43,6 +43,7 @@ void senseRegions(GrainsState& state, const dvec3& origin) {
     sensor.count = count;
     sensor.mass = static_cast<float>(static_cast<double>(mass) * 1e-9);
   });
+  state.regions_seen = state.regions.version();
 }
 
 }  // namespace scree::grains

@@ -35,10 +35,19 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   kernels_ = wide != nullptr ? wide : &kBaselineKernels;
   grid_.use(*kernels_);
   stats_.rebuilds = 0;
-  if (adopt(tables)) search_due_ = true;
+  stats_.woken = 0;
+  adopted_ = adopt(tables);
+  if (adopted_) search_due_ = true;
   readRows(tables);
   stats_.grains = bodies_.count;
+  stats_.asleep = asleep_ = 0;
   if (bodies_.count == 0) return;
+  wakeDisturbed(tables, colliders, parameters, h);
+  last_gravity_ = parameters.gravity;
+  if (asleep_ == bodies_.count && !search_due_ && h == last_h_ && walls_.rest(colliders)) {
+    passLoads(colliders, substeps);
+    return;
+  }
   if (last_h_ > 0 && h != last_h_) scaleKeptImpulses(h / last_h_);
   last_h_ = h;
   shareHeavyLoads();
@@ -47,13 +56,18 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   for (int substep = 0; substep < substeps; ++substep) {
     if (predict(gravity_step, h)) search_due_ = true;
     if (search_due_) searchNeighbours(h);
-    if (walls_due_) listColliders(colliders, dt);
+    if (walls_due_) {
+      listColliders(colliders, dt);
+      loadSleepers(gravity_step);
+    }
     relax(colliders, parameters, h, substep);
     collectLoads(colliders, substep + 1 == substeps);
     move(gravity_step, h, keep);
   }
+  wakeUnbalanced(gravity_step);
   writeRows(tables, parameters, dt);
   measure();
+  settle(tables, gravity_step, dt);
 }
 
 // Adds gravity; true if some grain may leave its margin within the substep.
@@ -211,15 +225,16 @@ void GrainSolver::shareHeavyLoads() {
   constexpr float kMostRatio = 1000;
   float lightest = 3e38f, heaviest = 0;
   for (uint32_t k = 0; k < bodies_.count; ++k) {
+    if (bodies_.body[k].inverse_mass == 0) continue;  // asleep
     lightest = std::min(lightest, bodies_.body[k].inverse_mass);
     heaviest = std::max(heaviest, bodies_.body[k].inverse_mass);
   }
   if (!(heaviest > kMostRatio * lightest)) return;
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
     const PairSlab& slab = pairs_.slab[s];
-    for (uint32_t c = 0; c < slab.count; ++c) {
-      if (slab.i[c] >= bodies_.count) continue;
-      if (!slab.carriesImpulse(c)) continue;
+    for (uint32_t c = 0; c < slab.active; ++c) {
+      if (slab.i[c] >= bodies_.count || !slab.carriesImpulse(c)) continue;
+      if (isAsleep(bodies_, slab.i[c]) || isAsleep(bodies_, slab.j[c])) continue;
       Body &i = bodies_.body[slab.i[c]], &j = bodies_.body[slab.j[c]];
       Body& light = i.inverse_mass > j.inverse_mass ? i : j;
       const Body& heavy = i.inverse_mass > j.inverse_mass ? j : i;

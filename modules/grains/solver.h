@@ -35,6 +35,7 @@ struct GrainRows {
   std::span<GrainOrientation> orientation;
   std::span<GrainPrevious> previous;
   std::span<const GrainMaterial> material;
+  std::span<GrainRest> rest;  // empty: these grains never sleep
 };
 
 // Which instructions the pair passes use; the results are the same to the bit.
@@ -56,6 +57,11 @@ class GrainSolver {
   void step(std::span<const GrainRows> tables, std::span<Collider> colliders,
             const StepParameters& parameters);
 
+  // A tick in which all grains sleep on and nothing is searched or solved: true, and the colliders
+  // have their loads. False if something may wake: step() is due. The rows must be as the last
+  // step() left them.
+  bool sleepOn(std::span<Collider> colliders, const StepParameters& parameters);
+
   // After a step: grains with numbers that are not allowed (not simulated) and grains outside the
   // bounds. The caller removes them; until then they are reported, and stay as they are.
   const std::vector<Entity>& refused() const { return refused_; }
@@ -72,6 +78,22 @@ class GrainSolver {
   void readRows(std::span<const GrainRows> tables);
   void writeRows(std::span<const GrainRows> tables, const StepParameters& parameters, float dt);
   void scaleKeptImpulses(float factor);
+  // Sleep, in sleep.cpp.
+  void wakeDisturbed(std::span<const GrainRows> tables, std::span<const Collider> colliders,
+                     const StepParameters& parameters, float h);
+  void wakeNeighboursOfRemoved(std::span<const GrainRows> tables);
+  void loadSleepers(vec3 gravity_step);
+  void wakeUnbalanced(vec3 gravity_step);
+  void settle(std::span<const GrainRows> tables, vec3 gravity_step, float dt);
+  template <class Visit>
+  void eachRest(std::span<const GrainRows> tables, const Visit& visit) const;
+  void passLoads(std::span<Collider> colliders, int substeps);
+  struct Load {
+    vec3 impulse{0};    // left over: of all contacts and gravity, N s
+    float carried = 0;  // sum of the contacts' sizes, N s
+  };
+  void addPairLoad(std::vector<Load>& load, const PairSlab& slab, uint32_t contact) const;
+  float weight(uint32_t slot, vec3 gravity_step) const;
   void shareHeavyLoads();
   bool predict(vec3 gravity_step, float h);
   void chooseMargins(float h);
@@ -99,6 +121,11 @@ class GrainSolver {
   std::vector<uint32_t> slot_of_index_, old_history_;
   std::vector<PosedCollider> posed_;  // at the substep's begin
   std::vector<uint8_t> chunk_flags_;
+  // Of sleepers: what the contacts among them and with colliders leave over, and with those awake.
+  std::vector<Load> load_asleep_, load_;
+  uint32_t asleep_ = 0;
+  bool adopted_ = false;  // in this tick grains came or went
+  vec3 last_gravity_{0};
   std::vector<Entity> refused_, lost_;
   GrainStats stats_;
   size_t memory_ = 0;

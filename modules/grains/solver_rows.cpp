@@ -76,12 +76,14 @@ bool GrainSolver::adopt(std::span<const GrainRows> tables) {
   // The same grains in another order of rows.
   if (known == allowed_rows && known == bodies_.count) return false;
 
+  wakeNeighboursOfRemoved(tables);
   old_history_.swap(history_);
   bodies_.count = allowed_rows;
   bodies_.body.resize(allowed_rows);
   bodies_.entity.resize(allowed_rows);
   bodies_.material.resize(allowed_rows);
   bodies_.reference.assign(allowed_rows, Reference{});
+  bodies_.asleep.assign(allowed_rows, Sleep::Awake);
   history_.resize(allowed_rows);
   row = 0;
   uint32_t slot = 0;
@@ -120,6 +122,20 @@ void GrainSolver::readRows(std::span<const GrainRows> tables) {
       body.inverse_mass = 1 / grainMass(grain.radius, table.material[k].density);
       body.friction_root = std::sqrt(table.material[k].friction);
       body.gravity_scale = 1;
+      if (table.rest.empty()) continue;
+      GrainRest& rest = table.rest[k];
+      if (rest.asleep && (rest.anchor != grain.position || body.velocity != vec3(0) ||
+                          body.spin != vec3(0))) {
+        rest = {grain.position, 0, false};
+        ++stats_.woken;
+      }
+      const Sleep now = rest.asleep ? Sleep::Asleep : Sleep::Awake;
+      if (bodies_.asleep[slot] != now) search_due_ = true;
+      bodies_.asleep[slot] = now;
+      if (rest.asleep) {
+        body.inverse_mass = 0;
+        body.gravity_scale = 0;
+      }
     }
   }
 }
@@ -131,6 +147,11 @@ void GrainSolver::writeRows(std::span<const GrainRows> tables, const StepParamet
     for (size_t k = 0; k < table.entity.size(); ++k, ++row) {
       const uint32_t slot = slot_of_row_[row];
       if (slot == kNoSlot) continue;
+      if (isAsleep(bodies_, slot)) {
+        if (bodies_.asleep[slot] == Sleep::Waking) table.rest[k] = {table.grain[k].position, 0, false};
+        table.previous[k].position = table.grain[k].position;
+        continue;
+      }
       const Body& body = bodies_.body[slot];
       Grain& grain = table.grain[k];
       table.previous[k].position = grain.position;
@@ -167,7 +188,7 @@ void GrainSolver::chooseMargins(float h) {
   const auto mean = [&](int axis) {
     return static_cast<float>(static_cast<double>(sum[axis]) / (kScale * static_cast<double>(n)));
   };
-  drift_ = vec3(mean(0), mean(1), mean(2));
+  drift_ = asleep_ == 0 ? vec3(mean(0), mean(1), mean(2)) : vec3(0);
   if (glm::dot(drift_, drift_) < 0.25f) drift_ = vec3(0);
   drift_time_ = 0;
 
@@ -198,12 +219,14 @@ void GrainSolver::searchNeighbours(float h) {
   sorted_.entity.resize(n);
   sorted_.material.resize(n);
   sorted_.reference.resize(n);
+  sorted_.asleep.resize(n);
   slot_moved_.resize(n);
   for (uint32_t k = 0; k < n; ++k) {
     const uint32_t from = order_[k];
     sorted_.body[k] = bodies_.body[from];
     sorted_.entity[k] = bodies_.entity[from];
     sorted_.material[k] = bodies_.material[from];
+    sorted_.asleep[k] = bodies_.asleep[from];
     sorted_.reference[k] = {bodies_.body[from].position, margin_[from]};
     slot_moved_[from] = k;
   }
@@ -240,11 +263,12 @@ void GrainSolver::listColliders(std::span<const Collider> colliders, float dt) {
 
 void GrainSolver::measure() {
   stats_.pairs = static_cast<uint32_t>(pairs_.pair_count);
+  stats_.pairs_solved = static_cast<uint32_t>(pairs_.active_count);
   uint32_t contacts = 0;
   float deepest = 0;
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
     const PairSlab& pairs = pairs_.slab[s];
-    contacts += pairs.carried;
+    contacts += pairs.carried + pairs.carried_asleep;
     for (const ColliderContact& contact : walls_.slab[s].contact)
       contacts += contact.impulse != vec3(0);
     deepest = std::max({deepest, pairs.deepest, walls_.slab[s].deepest});
@@ -283,7 +307,7 @@ size_t GrainSolver::memoryBytes() const {
   const auto bodies = [](const Bodies& b) {
     return b.body.capacity() * sizeof(Body) + b.entity.capacity() * sizeof(Entity) +
            b.material.capacity() * sizeof(GrainMaterial) +
-           b.reference.capacity() * sizeof(Reference);
+           b.reference.capacity() * sizeof(Reference) + b.asleep.capacity();
   };
   return bodies(bodies_) + bodies(sorted_) + grid_.memoryBytes() + pairs_.memoryBytes() +
          walls_.memoryBytes() +
@@ -291,6 +315,7 @@ size_t GrainSolver::memoryBytes() const {
               slot_of_index_.capacity() + slot_of_row_.capacity() + slot_moved_.capacity() +
               margin_.capacity()) +
          sizeof(Entity) * row_entity_.capacity() +
+         sizeof(Load) * (load_.capacity() + load_asleep_.capacity()) +
          posed_.capacity() * sizeof(PosedCollider) + chunk_flags_.capacity();
 }
 

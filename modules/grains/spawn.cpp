@@ -41,7 +41,8 @@ void spawnBlock(World& world, const FoundBlock& found, const dvec3& origin) {
                                block.restitution};
   const TableRows rows =
       world.spawnMany(total, Grain{}, GrainVelocity{}, GrainSpin{}, GrainOrientation{},
-                      GrainPrevious{}, material, GrainLook{block.color, block.roughness});
+                      GrainPrevious{}, GrainRest{}, material,
+                      GrainLook{block.color, block.roughness});
   const std::span<Grain> grain = rows.column<Grain>();
   const std::span<GrainPrevious> previous = rows.column<GrainPrevious>();
   const std::span<GrainOrientation> orientation = rows.column<GrainOrientation>();
@@ -117,7 +118,7 @@ SystemDesc spawnSystem(const SharedState& state) {
 void spawnGrains(World& world, std::span<const GrainSpec> specs) {
   if (specs.empty()) return;
   const TableRows rows =
-      world.spawnMany<Grain, GrainVelocity, GrainSpin, GrainOrientation, GrainPrevious,
+      world.spawnMany<Grain, GrainVelocity, GrainSpin, GrainOrientation, GrainPrevious, GrainRest,
                       GrainMaterial, GrainLook>(specs.size());
   const std::span<Grain> grain = rows.column<Grain>();
   const std::span<GrainVelocity> velocity = rows.column<GrainVelocity>();

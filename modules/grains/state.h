@@ -15,7 +15,7 @@
 namespace scree::grains {
 
 using GrainRowsQuery = Query<Grain, GrainVelocity, GrainSpin, GrainOrientation, GrainPrevious,
-                             const GrainMaterial>;
+                             GrainRest, const GrainMaterial>;
 
 // Owned by the systems and passes that addGrains registers, so that its GL objects die with them.
 struct GrainsState {
@@ -36,6 +36,8 @@ struct GrainsState {
   std::vector<Collider> colliders;
   std::vector<Entity> collider_entities;  // of colliders[k]
   size_t refused_colliders = 0;  // in the last tick
+  Version rows_seen = 0;  // of the grains, after the last step
+  Version regions_seen = 0;
   bool stepped = false;  // with grains, in the last tick: sensors hold what they did
 
   DrawState draw;
@@ -56,8 +58,8 @@ std::string nameOf(const World& world, Entity entity);  // spawn.cpp
 void gatherColliders(GrainsState& state, const dvec3& origin, float dt);  // gather_colliders.cpp
 // Notes where the colliders are, for the next tick.
 void keepColliderPoses(GrainsState& state);
-// Fills the RegionSensors.
-void senseRegions(GrainsState& state, const dvec3& origin);  // sensors.cpp
+// Fills the RegionSensors; if the grains all sleep, only when the sensors have changed.
+void senseRegions(GrainsState& state, const dvec3& origin, bool asleep);  // sensors.cpp
 // Fills the LoadSensors from state.colliders.
 void senseLoads(GrainsState& state);
 

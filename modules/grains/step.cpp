@@ -32,13 +32,23 @@ void step(GrainsState& state) {
   const dvec3 origin = field.origin;
 
   gatherColliders(state, origin, parameters.dt);
+  // Sleepers that nobody touched: their columns are not even opened for writing.
+  if (state.grains.version() == state.rows_seen &&
+      state.solver.sleepOn(state.colliders, parameters)) {
+    world.singleton<GrainStats>() = state.solver.stats();
+    senseLoads(state);
+    senseRegions(state, origin, true);
+    keepColliderPoses(state);
+    return;
+  }
   state.tables.clear();
   state.grains.spans([&](std::span<const Entity> entities, std::span<Grain> grain,
                          std::span<GrainVelocity> velocity, std::span<GrainSpin> spin,
                          std::span<GrainOrientation> orientation,
-                         std::span<GrainPrevious> previous,
+                         std::span<GrainPrevious> previous, std::span<GrainRest> rest,
                          std::span<const GrainMaterial> material) {
-    state.tables.push_back({entities, grain, velocity, spin, orientation, previous, material});
+    state.tables.push_back(
+        {entities, grain, velocity, spin, orientation, previous, material, rest});
   });
   state.solver.step(state.tables, state.colliders, parameters);
   state.stepped = !state.tables.empty();
@@ -55,8 +65,9 @@ void step(GrainsState& state) {
     counted.refused += refused.size();
   }
   senseLoads(state);
-  senseRegions(state, origin);
+  senseRegions(state, origin, false);
   keepColliderPoses(state);
+  state.rows_seen = state.grains.version();
 }
 
 }  // namespace
