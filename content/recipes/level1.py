@@ -87,7 +87,8 @@ def _scenery(gltf, palette):
     dial_at = (0.0, scale.DIAL_Y, scale.GATE_Z)
     gltf.node("scale_dial", dial_at, mesh=palette.mesh("scale_dial", scale.dial()))
     gltf.node("scale_needle", (dial_at[0], dial_at[1], dial_at[2] - 0.335), quat((0, 0, 1), NEEDLE_ZERO_DEG),
-              mesh=palette.mesh("scale_needle", scale.needle()))
+              mesh=palette.mesh("scale_needle", scale.needle()), extras={"Needle": {
+                  "turn_at_target_rad": round(math.pi, 6), "most_turn_rad": round(1.5 * math.pi, 6)}})
 
     gltf.node("ground", mesh=palette.mesh("ground", landscape.ground()), extras=no_shadow)
     gltf.node("ruins", mesh=palette.mesh("ruins", landscape.ruins()), extras=no_shadow)
@@ -109,7 +110,7 @@ def make(images):
     """{output path below content: bytes}."""
     gltf = Gltf()
     palette = Palette(gltf, images)
-    gltf.node("level", extras={"LevelRules": {"time_limit_s": 120.0}, "Sky": SKY})
+    gltf.node("level", extras={"LevelRules": {"time_limit_s": 75.0}, "Sky": SKY})
     eye, target = (0.0, 3.4, -8.6), (0.0, 0.4, 0.8)
     gltf.node("camera", eye, look_rotation(sub(target, eye)), camera=gltf.camera("camera", math.radians(52.0), 0.1))
     gltf.node("sun", (12.0, 8.0, -6.0), look_rotation(tuple(-c for c in SUN_FROM)),

@@ -16,7 +16,11 @@ struct AppOptions {
   ContextKind context = ContextKind::Auto;
   ivec2 size{1280, 720};  // output, pixels
   int threads = 0;        // 0: one per core
+#ifdef NDEBUG
   bool gl_debug = false;  // debug context: GL messages are logged
+#else
+  bool gl_debug = true;
+#endif
 
   std::string level;               // name in recordings; a replay of another level is refused
   std::filesystem::path replay;    // empty: live input

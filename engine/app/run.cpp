@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <optional>
 
@@ -15,6 +16,7 @@
 #include "engine/core/log.h"
 #include "engine/core/parallel.h"
 #include "engine/gpu/counters.h"
+#include "engine/gpu/debug.h"
 #include "engine/gpu/load.h"
 #include "engine/gpu/program.h"
 #include "engine/platform/fixed_step.h"
@@ -34,6 +36,27 @@ constexpr double kReloadInterval = 1;
 // A progress line on a terminal at most this often, seconds.
 constexpr double kProgressInterval = 0.25;
 
+// SIGINT and SIGTERM end a run in order: what was asked for is still written. A second one kills.
+volatile std::sig_atomic_t interrupted = 0;
+
+class Interrupts {
+ public:
+  Interrupts() {
+    interrupted = 0;
+    for (const int signal : {SIGINT, SIGTERM}) {
+      struct sigaction action = {};
+      action.sa_handler = [](int number) { interrupted = number; };
+      action.sa_flags = SA_RESETHAND;
+      sigaction(signal, &action, nullptr);
+    }
+  }
+  ~Interrupts() {
+    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+  }
+  Interrupts(const Interrupts&) = delete;
+  Interrupts& operator=(const Interrupts&) = delete;
+};
+
 }  // namespace
 
 // One run: what App::run() keeps between its steps.
@@ -43,11 +66,15 @@ class Run {
 
   Status operator()() {
     if (Status status = open(); !status.ok()) return status;
+    const Interrupts interrupts;
     const double start = now();
     Status status = inRealTime() ? playRealTime() : playLockstep();
     if (!status.ok()) return status;
     // What was asked for is written even if the run goes on to fail.
     if (Status written = finish(now() - start); !written.ok()) return written;
+    if (interrupted != 0)
+      return Error{fmt::format("ended by signal {} at tick {}", int{interrupted}, app_.tickIndex()),
+                   ErrorKind::Failure};
     const std::string& error = app_.world().singleton<QuitRequest>().error;
     if (!error.empty()) return Error{error, ErrorKind::Failure};
     if (const int broken = gpu::brokenPrograms(); broken > 0)
@@ -66,7 +93,7 @@ class Run {
     return state_.context && state_.context->presents() && options_.capture.empty();
   }
   bool ended() const {
-    return app_.world().singleton<QuitRequest>().requested ||
+    return interrupted != 0 || app_.world().singleton<QuitRequest>().requested ||
            (options_.max_ticks > 0 && app_.tickIndex() >= options_.max_ticks) ||
            (player_ && player_->finished());
   }
@@ -103,6 +130,8 @@ class Run {
       state_.context = std::move(*context);
       if (Status status = gpu::loadFunctions(state_.context->getProcAddress()); !status.ok())
         return Error{status.error(), ErrorKind::Failure};
+      // Not every context has a debug flag; all have debug output.
+      if (options_.gl_debug) gpu::enableDebugOutput();
       logInfo("{}", state_.context->description());
     }
     if (!inRealTime() && !player_ && options_.max_ticks == 0)
@@ -170,7 +199,8 @@ class Run {
       const bool paused = app_.world().singleton<Simulation>().paused;
       const auto motion = static_cast<float>(frame_s / kTickSeconds);
       const ivec2 size = state_.context->framebufferSize();
-      render(size, paused ? 1.0f : step.alpha(), std::clamp(motion, 0.0f, kMaxMotionScale), 1);
+      render(size, paused ? 1.0f : step.alpha(),
+             paused ? 0.0f : std::clamp(motion, 0.0f, kMaxMotionScale), 1);
       gpu::copyToWindow(state_.frame.texture(Frame::kOutput), size);
       state_.context->swap();
     }
@@ -184,7 +214,13 @@ class Run {
 
   Status playLockstep() {
     double last_progress = 0;
+    RawInput unused;
     while (!ended()) {
+      if (state_.context && state_.context->presents()) {
+        unused.events.clear();
+        state_.context->poll(unused);
+        if (state_.context->shouldClose()) break;
+      }
       if (Status status = tick(); !status.ok()) return status;
       const uint64_t index = app_.tickIndex();
       if (capture_ ? isCaptured(index) : wantsFrames())

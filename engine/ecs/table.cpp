@@ -60,7 +60,7 @@ Table::Table(const ComponentMask& mask, uint32_t index, VersionClock& clock)
 
 Table::~Table() {
   for (Column& column : columns_)
-    release(column.data, capacity_ * column.info->size, column.info->alignment);
+    release(column.data, size_t{capacity_} * column.info->size, column.info->alignment);
   release(entities_, capacity_ * sizeof(Entity), alignof(Entity));
 }
 

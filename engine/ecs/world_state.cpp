@@ -156,7 +156,8 @@ EntitySlots::Slot& WorldState::moveRow(Entity entity, Table& to) {
 
 void* WorldState::valueAt(Table& table, ComponentId id, uint32_t row) {
   const Column& column = table.column(id);
-  return column.info->size ? column.data + row * column.info->size : emptyValue(*column.info);
+  return column.info->size ? column.data + size_t{row} * column.info->size
+                           : emptyValue(*column.info);
 }
 
 void* WorldState::find(Entity entity, ComponentId id, bool marks_changed) {

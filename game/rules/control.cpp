@@ -23,6 +23,10 @@ Status loadLevel(World& world, const std::filesystem::path& path) {
   std::vector<Entity> scales;
   world.query<With<Scale>>().each([&](Entity entity) { scales.push_back(entity); });
   for (const Entity scale : scales) world.add(scale, ScaleReading{});
+  std::vector<Entity> needles;
+  world.query<With<Needle>>().each([&](Entity entity) { needles.push_back(entity); });
+  for (const Entity needle : needles)
+    world.add(needle, NeedleZero{world.peek<Transform>(needle)->rotation});
   equipCreatures(world);
   equipCamera(world);
   return Done{};

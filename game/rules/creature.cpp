@@ -173,7 +173,9 @@ void equipCamera(World& world) {
     behind.rotation = behind.rotation * quat(0, 0, 1, 0);  // a camera looks along -Z
     camera = world.spawn(behind, PreviousTransform{}, Camera{});
   }
-  FollowCamera follow{.target = creature};
+  const FollowCamera* authored = world.peek<FollowCamera>(camera);
+  FollowCamera follow = authored != nullptr ? *authored : FollowCamera();
+  follow.target = creature;
   const vec3 ahead = world.peek<Transform>(camera)->rotation * vec3(0, 0, -1);
   follow.heading = normalizeOr({ahead.x, ahead.z}, {0, 1});
   Transform transform = *world.peek<Transform>(camera);

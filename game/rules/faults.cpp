@@ -18,6 +18,10 @@ std::string fault(const Creature& creature) {
 std::string fault(const Scale& scale) {
   return firstFault({{"target_kg", scale.target_kg, 0, 1e9f}, {"hold_s", scale.hold_s, 0, 3600}});
 }
+std::string fault(const Needle& needle) {
+  return firstFault({{"turn_at_target_rad", needle.turn_at_target_rad, -6.2831854f, 6.2831854f},
+                     {"most_turn_rad", needle.most_turn_rad, 0, 6.2831854f}});
+}
 std::string fault(const LevelRules& rules) {
   return firstFault({{"time_limit_s", rules.time_limit_s, 1, 86400}});
 }
@@ -29,5 +33,6 @@ std::string fault(const FollowCamera& camera) {
 std::string fault(const CreatureMotion&) { return kOwn; }
 std::string fault(const PloughPart&) { return kOwn; }
 std::string fault(const ScaleReading&) { return kOwn; }
+std::string fault(const NeedleZero&) { return kOwn; }
 
 }  // namespace scree::hourglass

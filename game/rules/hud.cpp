@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "game/rules/rules.h"
 #include "modules/overlay/overlay.h"
@@ -30,13 +31,16 @@ void show(World& world) {
   const Match& match = world.singleton<const Match>();
   world.query<const Scale, const ScaleReading>().each(
       [&](const Scale& scale, const ScaleReading& reading) {
-        text.add(line("{:.0f} / {:.0f} kg", reading.mass_kg, scale.target_kg), Anchor::TopLeft, 1,
+        // Rounded down: the target shows only when it is reached.
+        text.add(line("{:.0f} / {:.0f} kg", std::floor(reading.mass_kg), scale.target_kg), Anchor::TopLeft, 1,
                  reading.mass_kg >= scale.target_kg ? kGood : kPlain);
       });
   world.query<const LevelRules>().each([&](const LevelRules& rules) {
     const float left = std::max(0.0f, rules.time_limit_s - match.elapsed_s);
-    text.add(line("{}:{:04.1f}", static_cast<int>(left) / 60, left - 60 * (static_cast<int>(left) / 60)),
-             Anchor::TopRight, 1, left < kHurry ? kBad : kPlain);
+    // Rounded up: it shows 0 only when the time is up.
+    const int tenths = static_cast<int>(std::ceil(left * 10 - 1e-3f));
+    text.add(line("{}:{:02}.{}", tenths / 600, tenths / 10 % 60, tenths % 10), Anchor::TopRight, 1,
+             left < kHurry ? kBad : kPlain);
   });
   if (match.state == MatchState::Won) text.add("WON", Anchor::TopCenter, 2, kGood);
   if (match.state == MatchState::Lost) text.add("TIME IS UP", Anchor::TopCenter, 2, kBad);
@@ -44,7 +48,7 @@ void show(World& world) {
   if (match.state != MatchState::Playing)
     text.add("R plays again", Anchor::BottomCenter, 1, kPlain);
   else if (match.elapsed_s < 8)
-    text.add("Push the grains onto the scale: W A S D", Anchor::BottomCenter, 1, kPlain);
+    text.add("Push the grains onto the scale: W A S D, Q E turn the view", Anchor::BottomCenter, 1, kPlain);
 }
 
 }  // namespace

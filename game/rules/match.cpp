@@ -3,9 +3,11 @@
 
 #include <algorithm>
 
+#include "game/rules/heading.h"
 #include "game/rules/hud.h"
 #include "game/rules/rules.h"
 #include "modules/grains/grains.h"
+#include "modules/scene/scene.h"
 
 namespace scree::hourglass {
 namespace {
@@ -40,6 +42,28 @@ void judge(World& world) {
   });
 }
 
+// Half the needle's turn in small steps, as headings turn: without transcendental functions.
+quat aboutZ(float turn_rad) {
+  constexpr int kSteps = 32;
+  vec2 half{0, 1};  // sine and cosine of half the turn
+  for (int i = 0; i < kSteps; ++i) half = turn(half, 0.5f * turn_rad / kSteps);
+  return {half.y, 0, 0, half.x};
+}
+
+void turnNeedle(World& world) {
+  float share = 0;
+  world.query<const Scale, const ScaleReading>().each(
+      [&](const Scale& scale, const ScaleReading& reading) {
+        share = reading.mass_kg / std::max(scale.target_kg, 1e-3f);
+      });
+  world.query<const Needle, const NeedleZero, Transform>().each(
+      [&](const Needle& needle, const NeedleZero& zero, Transform& transform) {
+        const float most = needle.most_turn_rad;
+        transform.rotation =
+            zero.rotation * aboutZ(std::clamp(share * needle.turn_at_target_rad, -most, most));
+      });
+}
+
 }  // namespace
 
 std::string describeMatch(World& world) {
@@ -62,6 +86,10 @@ void addJudge(App& app) {
                  .phase = Phase::Simulate,
                  .needs = [q = world.query<const Scale>()] { return !q.empty(); },
                  .run = judge});
+  app.addSystem({.name = "scale.turn_needle",
+                 .phase = Phase::Simulate,
+                 .needs = [q = world.query<const Needle>()] { return !q.empty(); },
+                 .run = turnNeedle});
   addHud(app);
 }
 

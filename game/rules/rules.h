@@ -69,6 +69,21 @@ struct ScaleReading {
 std::string fault(const ScaleReading& reading);
 SCREE_COMPONENT(ScaleReading, (mass_kg, "kg"), (held_s, "s"));
 
+// A dial's needle: turns about its local +Z, from where the level has it at 0 kg.
+struct Needle {
+  float turn_at_target_rad = 3.14159265f;
+  float most_turn_rad = 4.71238898f;  // where the dial ends
+};
+std::string fault(const Needle& needle);
+SCREE_COMPONENT(Needle, (turn_at_target_rad, "rad"), (most_turn_rad, "rad"));
+
+// The needle's rotation at 0 kg.
+struct NeedleZero {
+  quat rotation{1, 0, 0, 0};
+};
+std::string fault(const NeedleZero& zero);
+SCREE_COMPONENT(NeedleZero, (rotation, ""));
+
 struct LevelRules {
   float time_limit_s = 120;
 };
@@ -96,7 +111,8 @@ void declareActions(App& app);
 // Loads the level and registers the systems that act before the grains: hourglass.control (Input:
 // pause, restart, quit), creature.walk, creature.look (Simulate).
 Status addRules(App& app, const std::filesystem::path& level);
-// Registers the systems that act after the grains: match.judge (Simulate), hourglass.hud (Animate).
+// Registers the systems that act after the grains: match.judge, scale.turn_needle (Simulate),
+// hourglass.hud (Animate).
 void addJudge(App& app);
 
 // The match in a line: "won: 1204 kg of 1000 kg after 63.2 s".

@@ -14,11 +14,18 @@ bool finite(const vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// Names the light once for as long as it is the same one.
-void complain(DeferredState& state, Entity entity, std::string_view what) {
-  if (state.warned_lights == entity) return;
-  state.warned_lights = entity;
-  logWarning("deferred: light of entity {} {}; it does not shine", entity.index, what);
+// A scene may hold any number of lights that do not shine.
+constexpr size_t kMostLightWarnings = 4;
+
+// Says once of a light, and of a few lights only, what what() says.
+template <class What>
+void complain(DeferredState& state, Entity entity, const What& what) {
+  std::vector<Entity>& warned = state.warned_lights;
+  if (warned.size() == kMostLightWarnings ||
+      std::find(warned.begin(), warned.end(), entity) != warned.end())
+    return;
+  warned.push_back(entity);
+  logWarning("deferred: light of entity {} {}; it does not shine", entity.index, what());
 }
 
 // Colours that are not finite or negative would poison every pixel.
@@ -34,14 +41,16 @@ Sun findSun(DeferredState& state) {
   Entity chosen = Entity::kNone;
   state.lights.each([&](Entity entity, const Light& light, const Transform& transform) {
     if (light.kind != LightKind::Directional)
-      return complain(state, entity, "is not directional, which is all that is drawn yet");
+      return complain(state, entity,
+                      [] { return "is not directional, which is all that is drawn yet"; });
     const vec3 irradiance = light.color * light.intensity;
     const vec3 to_sun = transform.rotation * vec3(0, 0, 1);
     const float length = glm::length(to_sun);
     if (!finite(irradiance) || glm::any(glm::lessThan(irradiance, vec3(0))) || !(length > 0.5f && length < 2))
-      return complain(state, entity,
-                      fmt::format("has colour ({}, {}, {}) x {} lux: allowed are finite values >= 0",
-                                  light.color.x, light.color.y, light.color.z, light.intensity));
+      return complain(state, entity, [&light] {
+        return fmt::format("has colour ({}, {}, {}) x {} lux: allowed are finite values >= 0",
+                           light.color.x, light.color.y, light.color.z, light.intensity);
+      });
     if (irradiance == vec3(0)) return;
     if (sun.present && entity.index > chosen.index) return;
     chosen = entity;

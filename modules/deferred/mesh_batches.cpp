@@ -50,8 +50,11 @@ void MeshBatches::group(World& world) {
   groups_.clear();
   group_of_row_.clear();
   const auto drawable = [&](const MeshInstance& m) {
-    return m.mesh < known_meshes_ &&
-           (m.material == MeshInstance::kOwnMaterials || m.material < known_materials_);
+    if (m.mesh >= known_meshes_) return false;
+    if (m.material != MeshInstance::kOwnMaterials) return m.material < known_materials_;
+    const std::vector<MeshPart>& parts = meshes.mesh(m.mesh).parts;
+    return std::all_of(parts.begin(), parts.end(),
+                       [&](const MeshPart& part) { return part.material < known_materials_; });
   };
   size_t refused = 0;
   MeshInstance example;

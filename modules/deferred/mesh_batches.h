@@ -49,7 +49,8 @@ class MeshBatches {
   void writeOpaque(std::span<rules::MeshInstanceRecord> records) const;
   // Batches that cast shadows, in view or not: of what stands still, or of what moves this frame.
   std::span<const MeshBatch> casting(bool still) const { return still ? casting_still_ : casting_moving_; }
-  size_t castingCount(bool still) const { return still ? still_count_ : moving_count_; }
+  // Without mesh instances nothing is gathered, and what is kept here is of an earlier scene.
+  size_t castingCount(bool still) const { return !any() ? 0 : still ? still_count_ : moving_count_; }
   void writeCasting(bool still, const ShadowFit& fit, std::span<rules::MeshCasterRecord> records) const;
   // Moves on when the casters that stand still, or where they stand, are others than before.
   uint64_t stillVersion() const { return still_version_; }

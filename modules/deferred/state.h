@@ -25,7 +25,7 @@ struct DeferredState {
   gpu::StreamBuffer instances{"deferred.instances", 256 * 1024};
   gpu::StreamSlice opaque_records;
   rules::LightingBlock lighting{};
-  Entity warned_lights = Entity::kNone;  // the light that was last complained about
+  std::vector<Entity> warned_lights;  // that were complained about; at most kMostLightWarnings
 };
 using SharedState = std::shared_ptr<DeferredState>;
 

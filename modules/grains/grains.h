@@ -241,7 +241,8 @@ inline float grainMass(float radius, float density) {
 }
 
 // Registers the systems grains.spawn, grains.step (Simulate) and grains.upload (Prepare), and the
-// passes grains.draw (Geometry, writes the G-buffer) and grains.shadow (writes the shadow map).
+// passes grains.visible and grains.draw (Geometry: who is seen, then the G-buffer) and grains.shadow
+// (writes the shadow map).
 // Call after addScene and addDeferred, and after the systems that move colliders.
 void addGrains(App& app);
 

@@ -11,6 +11,16 @@
 
 namespace scree {
 namespace grains {
+
+// The first field by entity index; Entity::kNone if there is none.
+static Entity firstField(World& world) {
+  Entity first = Entity::kNone;
+  world.query<const GrainField>().each([&](Entity entity, const GrainField&) {
+    if (first == Entity::kNone || entity < first) first = entity;
+  });
+  return first;
+}
+
 namespace {
 
 struct FoundBlock {
@@ -99,6 +109,11 @@ void spawnBlocks(GrainsState& state) {
 
 }  // namespace
 
+dvec3 fieldOrigin(World& world) {
+  const GrainField* field = world.peek<GrainField>(firstField(world));
+  return field != nullptr ? field->origin : GrainField().origin;
+}
+
 std::string nameOf(const World& world, Entity entity) {
   const Name* name = world.peek<Name>(entity);
   return name != nullptr && name->text[0] != 0
@@ -139,10 +154,7 @@ void spawnGrains(World& world, std::span<const GrainSpec> specs) {
 }
 
 GrainField& grainField(World& world) {
-  Entity first = Entity::kNone;
-  world.query<const GrainField>().each([&](Entity entity, const GrainField&) {
-    if (first == Entity::kNone || entity < first) first = entity;
-  });
+  Entity first = grains::firstField(world);
   if (first == Entity::kNone) first = world.spawn(GrainField{});
   return *world.find<GrainField>(first);
 }

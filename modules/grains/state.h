@@ -34,7 +34,7 @@ struct GrainsState {
   // Working memory of the step.
   std::vector<GrainRows> tables;
   std::vector<Collider> colliders;
-  std::vector<Entity> collider_entities;  // of colliders[k]
+  std::vector<Entity> collider_entities;  // of all collider components
   size_t refused_colliders = 0;  // in the last tick
   Version rows_seen = 0;  // of the grains, after the last step
   Version regions_seen = 0;
@@ -52,6 +52,8 @@ PassDesc visiblePass(const SharedState& state);     // draw.cpp
 PassDesc drawPass(const SharedState& state);        // draw.cpp
 PassDesc shadowPass(const SharedState& state);      // draw.cpp
 
+// The field's origin, without making the field.
+dvec3 fieldOrigin(World& world);  // spawn.cpp
 // An entity as a message names it: by its Name if it has one.
 std::string nameOf(const World& world, Entity entity);  // spawn.cpp
 // Fills state.colliders with the world's colliders over the tick, by key; `origin`: the field's.

@@ -117,7 +117,7 @@ void upload(GrainsState& state) {
   DrawState& draw = state.draw;
   const FrameInput& input = world.singleton<const FrameInput>();
   const View& view = world.singleton<const View>();
-  const dvec3 origin = grainField(world).origin;
+  const dvec3 origin = fieldOrigin(world);
 
   uploadRecords(draw);
   rules::GrainFrame frame{};

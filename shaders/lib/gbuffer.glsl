@@ -3,7 +3,7 @@
 //
 // A fragment shader that draws a surface includes this file and calls writeGbuffer() once; depth is
 // gl_FragCoord.z or, for analytic surfaces, gl_FragDepth. One that shades defines GBUFFER_READ
-// before the include and calls readGbuffer() and gbufferPosition().
+// before the include and calls readGbuffer().
 #include "shared/bindings.h"
 #include "shared/gbuffer.h"
 #include "shared/octahedral.h"

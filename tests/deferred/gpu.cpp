@@ -43,7 +43,7 @@ TEST_F(DeferredPasses, RunAsTheSceneNeedsThem) {
                                     "deferred.present"}));
   const Entity sun = studio.sun({1, 1, 1});
   studio.render();
-  EXPECT_EQ(studio.passes(), (Names{"deferred.clear", "deferred.opaque", "deferred.shadow", "deferred.light",
+  EXPECT_EQ(studio.passes(), (Names{"deferred.clear", "deferred.shadow", "deferred.opaque", "deferred.light",
                                     "deferred.sky", "deferred.present"}));
   studio.world.remove<CastsShadow>(ball);
   studio.render();

@@ -2,6 +2,7 @@
 #include <functional>
 
 #include "engine/gpu/counters.h"
+#include "engine/gpu/readback.h"
 #include "tests/deferred/studio.h"
 
 namespace scree::test {
@@ -86,6 +87,25 @@ TEST_F(KeptShadows, ShowWhatANewMapShows) {
   then([](Yard& y) { y.world.singleton<ShadowSettings>().side_texels = 512; });
   then([](Yard& y) { y.world.remove<CastsShadow>(y.tower); });
   then([](Yard& y) { y.world.destroy(y.mover); });
+}
+
+TEST_F(KeptShadows, MeshesThatAreGoneCastNothing) {
+  Yard yard;
+  yard.app.frame().keep(kShadowMap, true);
+  yard.render();
+  std::vector<Entity> meshes;
+  yard.world.query<With<MeshInstance>>().each([&](Entity entity) { meshes.push_back(entity); });
+  yard.world.destroyMany(meshes);
+  // Something else still casts, so that the map is drawn and read.
+  int runs = 0;
+  yard.app.addSystem({.name = "test.caster", .phase = Phase::Prepare, .run = [&](World& world) {
+                        world.singleton<ShadowCasters>().spheres.push_back({{0, 1, 0}, 1});
+                        ++runs;
+                      }});
+  yard.render();
+  ASSERT_EQ(runs, 1);
+  const gpu::Texture& map = yard.app.frame().texture(kShadowMap);
+  for (const float depth : gpu::readFloats(map, 1)) ASSERT_EQ(depth, 0);
 }
 
 TEST_F(KeptShadows, MotionIsLeftOutWhereNobodyReadsIt) {

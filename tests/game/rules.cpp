@@ -11,6 +11,7 @@
 #include "game/rules/heading.h"
 #include "game/rules/rules.h"
 #include "modules/grains/grains.h"
+#include "modules/overlay/overlay.h"
 #include "modules/scene/scene.h"
 #include "tests/game/support/program.h"
 
@@ -212,6 +213,45 @@ TEST(Match, IsWonByMassHeldLongEnough) {
   });
   EXPECT_EQ(describeMatch(app->world()).rfind("won: 113 kg of 100 kg after ", 0), 0u)
       << describeMatch(app->world());
+}
+
+TEST(Match, NeedleTurnsWithTheMass) {
+  auto app = open(writeLevel("needle", R"({"name": "tray", "extras": {"Scale": {"target_kg": 100}}})"));
+  ASSERT_TRUE(app);
+  World& world = app->world();
+  const quat zero(0.38268343f, 0, 0, -0.92387953f);  // -135 degrees about +Z
+  Transform at;
+  at.rotation = zero;
+  const Entity needle = world.spawn(at, previousOf(at), Needle{}, NeedleZero{zero});
+  for (const float mass : {0.0f, 50.0f, 100.0f, 120.0f, 1e6f}) {
+    world.query<ScaleReading>().each([&](ScaleReading& reading) { reading.mass_kg = mass; });
+    tick(*app, {});
+    float shown = 0;  // less than the mass: no sensor carries anything
+    world.query<const ScaleReading>().each([&](const ScaleReading& reading) { shown = reading.mass_kg; });
+    const float degrees = -135 + 180 * std::min(shown / 100, 1.5f);
+    const vec3 up = world.peek<Transform>(needle)->rotation * vec3(0, 1, 0);
+    const float angle = std::atan2(-up.x, up.y) * 57.29578f;
+    EXPECT_NEAR(angle, degrees, 0.2f) << mass;
+  }
+}
+
+TEST(Match, ClockRoundsUpAndNeverShowsSixtySeconds) {
+  auto app = open(writeLevel("clock", R"({"name": "tray", "extras": {
+      "Scale": {"target_kg": 100}, "LevelRules": {"time_limit_s": 75}}})"));
+  ASSERT_TRUE(app);
+  const auto clockAt = [&](float elapsed) {
+    app->world().singleton<Match>().elapsed_s = elapsed;
+    app->schedule().run(Phase::Animate, app->world());
+    for (const TextLine& line : app->world().singleton<OverlayText>().lines())
+      if (line.anchor == Anchor::TopRight) return std::string(line.text);
+    return std::string("none");
+  };
+  EXPECT_EQ(clockAt(0), "1:15.0");
+  EXPECT_EQ(clockAt(15.02f), "1:00.0");
+  EXPECT_EQ(clockAt(15.0f), "1:00.0");
+  EXPECT_EQ(clockAt(15.12f), "0:59.9");
+  EXPECT_EQ(clockAt(74.99f), "0:00.1");
+  EXPECT_EQ(clockAt(80), "0:00.0");
 }
 
 TEST(Match, IsLostWhenTheTimeRunsOut) {

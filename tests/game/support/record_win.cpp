@@ -11,7 +11,7 @@
 
 int main(int argc, char** argv) {
   using namespace scree;
-  if (argc != 2) {
+  if (argc != 2 || argv[1][0] == '-') {
     fmt::print(stderr, "usage: record_win FILE\n");
     return 2;
   }
