@@ -74,10 +74,13 @@ fs::path temporaryPath(const fs::path& path) {
 fs::path behindLink(const fs::path& path) {
   constexpr int kMostLinks = 40;  // as the kernel follows
   fs::path target = path;
-  std::error_code code;
-  for (int i = 0; i < kMostLinks && fs::is_symlink(target, code); ++i)
-    target = target.parent_path() / fs::read_symlink(target, code);
-  return code ? path : target;
+  std::error_code ignored, code;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(target, ignored); ++i) {
+    const fs::path next = fs::read_symlink(target, code);
+    if (code) return path;
+    target = target.parent_path() / next;
+  }
+  return target;
 }
 
 Status checkOutputPath(const fs::path& path, std::string_view what) {
