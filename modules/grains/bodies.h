@@ -31,22 +31,33 @@ struct Reference {
   float margin = 0;
 };
 
-// Waking: still asleep for the lists, awake for the next tick.
-enum class Sleep : uint8_t { Awake, Asleep, Waking };
+inline constexpr uint32_t kNoSlot = 0xffffffffu;
+// Of a body: awake; or gone since the last search, at which it leaves the bodies.
+inline constexpr uint32_t kAwake = 0xffffffffu, kGone = 0xfffffffeu;
 
+// The grains that the solver visits: those awake, and the sleepers near them.
 struct Bodies {
   std::vector<Body> body;  // grains by slot, then idle bodies that fill up batches
   std::vector<Entity> entity;
   std::vector<GrainMaterial> material;
   std::vector<Reference> reference;
-  std::vector<Sleep> asleep;
+  std::vector<uint32_t> berth;  // of a sleeper, among Sleepers; kAwake; kGone
   uint32_t count = 0;  // grains
 };
 
 // Empty, for bodies that never sleep, counts as awake.
-inline bool isAsleep(const Bodies& bodies, uint32_t slot) {
-  return slot < bodies.asleep.size() && bodies.asleep[slot] != Sleep::Awake;
+inline bool isAwake(const Bodies& bodies, uint32_t slot) {
+  return slot >= bodies.berth.size() || bodies.berth[slot] == kAwake;
 }
+inline bool isAsleep(const Bodies& bodies, uint32_t slot) {
+  return !isAwake(bodies, slot) && bodies.berth[slot] != kGone;
+}
+
+// Impulses on a grain in a substep.
+struct Load {
+  vec3 impulse{0};    // left over: of all contacts and gravity, N s
+  float carried = 0;  // sum of the contacts' sizes, N s
+};
 
 // Makes `values` hold n copies of `value`. Grows with room to spare, so that lists whose length
 // wavers a little do not allocate again and again.

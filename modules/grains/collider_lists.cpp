@@ -49,55 +49,19 @@ bool ColliderLists::sweep(std::span<const Collider> colliders) {
   return any;
 }
 
-const ColliderLists::Swept* ColliderLists::listed(uint32_t key) const {
+const ColliderLists::Swept* ColliderLists::sweptLast(const Collider& collider) const {
   const auto at = std::lower_bound(
-      swept_.begin(), swept_.end(), key,
+      swept_.begin(), swept_.end(), collider.key,
       [](const Swept& swept, uint32_t wanted) { return swept.collider.key < wanted; });
-  return at != swept_.end() && at->collider.key == key ? &*at : nullptr;
-}
-
-bool ColliderLists::rest(std::span<const Collider> colliders) const {
-  if (swept_.size() != colliders.size()) return false;
-  for (size_t k = 0; k < colliders.size(); ++k)
-    if (swept_[k].collider.key != colliders[k].key || colliders[k].moves() ||
-        !alike(swept_[k].collider, colliders[k]))
-      return false;
-  return true;
-}
-
-void ColliderLists::wakeDisturbed(Bodies& bodies, std::span<const Collider> colliders) const {
-  const auto wake = [&](uint32_t slot) {
-    if (isAsleep(bodies, slot)) bodies.asleep[slot] = Sleep::Waking;
-  };
-  std::vector<uint32_t> staying;  // keys
-  for (const Collider& collider : colliders) {
-    const Swept* before = listed(collider.key);
-    const bool same = before != nullptr && alike(before->collider, collider);
-    if (same) staying.push_back(collider.key);
-    if (same && !collider.moves()) continue;
-    const Bounds bounds = sweptBounds(collider);
-    const float motion = motionBound(collider);
-    const PosedCollider begin = poseCollider(collider, 0, 0, 0);
-    for (uint32_t k = 0; k < bodies.count; ++k) {
-      if (!isAsleep(bodies, k)) continue;
-      const Body& grain = bodies.body[k];
-      const float reach = 1.01f * grain.radius;
-      if (!apart({grain.position - reach, grain.position + reach}, bounds) &&
-          nearestSurface(begin, grain.position).distance < reach + motion)
-        wake(k);
-    }
-  }
-  if (staying.size() == swept_.size()) return;
-  for (uint32_t s = 0; s < slab_count; ++s)
-    for (const ColliderContact& contact : slab[s].contact)
-      if (contact.impulse != vec3(0) &&
-          !std::binary_search(staying.begin(), staying.end(), contact.key))
-        wake(contact.grain);
+  return at != swept_.end() && at->collider.key == collider.key && alike(at->collider, collider)
+             ? &*at
+             : nullptr;
 }
 
 void ColliderLists::build(const Grid& grid, const Bodies& bodies,
                           std::span<const Collider> colliders, float extra, bool searched,
-                          std::span<const uint32_t> order, std::span<const uint32_t> history) {
+                          std::span<const uint32_t> before,
+                          std::span<const JoiningWall> joining) {
   const bool changed = sweep(colliders), wider = extra > 0 || extra_ > 0;
   if (!searched && !changed && !wider) return;
   if (searched || wider)
@@ -118,13 +82,24 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
     list(uint32_t(s), bodies, extra);
     for (ColliderContact& contact : slab[s].contact) {
       if (!swept_[contact.collider].fresh) continue;
-      const uint32_t was = searched ? history[order[contact.grain]] : contact.grain;
-      if (was == kNoSlot) continue;
-      if (const ColliderContact* before = formerly(was, contact.key, slabs_before)) {
-        contact.impulse = before->impulse;
-        contact.rolling = before->rolling;
-        contact.trust = before->trust;
-        contact.normal = before->normal;
+      const uint32_t was = searched ? before[contact.grain] : contact.grain;
+      if (was != kNoSlot) {
+        if (const ColliderContact* last = formerly(was, contact.key, slabs_before)) {
+          contact.impulse = last->impulse;
+          contact.rolling = last->rolling;
+          contact.trust = last->trust;
+          contact.normal = last->normal;
+          continue;
+        }
+      }
+      auto at = std::lower_bound(joining.begin(), joining.end(), contact.grain,
+                                 [](const JoiningWall& a, uint32_t g) { return a.grain < g; });
+      for (; at != joining.end() && at->grain == contact.grain; ++at) {
+        if (at->key != contact.key) continue;
+        contact.impulse = at->impulse;
+        contact.rolling = at->rolling;
+        contact.trust = 1;
+        contact.normal = at->normal;
       }
     }
   });
@@ -135,11 +110,13 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra) {
   own.bounces.clear();
   Bounds bounds{vec3(3e38f), vec3(-3e38f)};
   for (uint32_t i = own.begin; i < own.end; ++i) {
+    if (!isAwake(bodies, i)) continue;
     const float reach = bodies.body[i].radius + bodies.reference[i].margin + extra;
     bounds.min = glm::min(bounds.min, bodies.body[i].position - reach);
     bounds.max = glm::max(bounds.max, bodies.body[i].position + reach);
   }
   own.near.clear();
+  if (!(bounds.min.x <= bounds.max.x)) return;  // nobody is awake
   const vec3 centre = 0.5f * (bounds.min + bounds.max);
   const float around = 1.001f * glm::length(bounds.max - centre);
   for (uint32_t k = 0; k < swept_.size(); ++k) {
@@ -152,6 +129,7 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra) {
   if (own.near.empty()) return;
   auto stays = own.was.begin();
   for (uint32_t i = own.begin; i < own.end; ++i) {
+    if (!isAwake(bodies, i)) continue;
     const Body& grain = bodies.body[i];
     const float reach = grain.radius + bodies.reference[i].margin + extra;
     const Bounds own_bounds{grain.position - reach, grain.position + reach};

@@ -10,7 +10,6 @@ namespace scree::grains {
 
 void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCollider> posed) {
   for (ColliderContact& contact : slab.contact) {
-    if (body[contact.grain].inverse_mass == 0) continue;  // asleep: all stays as it is
     const PosedCollider& collider = posed[contact.collider];
     const vec3 p = body[contact.grain].position;
     SurfacePoint near = nearestSurface(collider, p);
@@ -30,7 +29,6 @@ void applyKeptColliders(ColliderSlab& slab, Body* body) {
   slab.bounces.clear();
   slab.deepest = 0;
   for (ColliderContact& contact : slab.contact) {
-    if (body[contact.grain].inverse_mass == 0) continue;
     const bool kept = contact.impulse != vec3(0);
     contact.approach = 0;
     contact.impulse *= contact.trust;
@@ -70,7 +68,6 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
                     const PassSettings& settings) {
   for (ColliderContact& contact : slab.contact) {
     Body& grain = body[contact.grain];
-    if (grain.inverse_mass == 0) continue;
     const vec3 normal = contact.normal;
     const float gap = glm::dot(normal, grain.position) - contact.offset - grain.radius;
     const vec3 u = grain.velocity - contact.surface_velocity;

@@ -13,7 +13,6 @@
 
 namespace scree::grains {
 
-inline constexpr uint32_t kNoSlot = 0xffffffffu;
 // Contacts a batch: the lanes of the widest instruction set.
 inline constexpr uint32_t kBatch = kMostLanes;
 // Idle bodies a slab: the unused lanes of a batch write to them.
@@ -56,9 +55,7 @@ struct PairSlab {
   // Found pairs by finder (a grain of this slab): the other grain.
   std::vector<uint32_t> found_j;
   // Batches: contacts whose grain pairs are disjoint within each.
-  uint32_t count = 0;   // contacts with the unused lanes, a multiple of kBatch
-  uint32_t active = 0;  // of them those that the passes visit; between the rest, both grains sleep
-  uint32_t active_pairs = 0;
+  uint32_t count = 0;  // contacts with the unused lanes, a multiple of kBatch
   std::vector<uint32_t> border;  // contacts of which one grain sleeps
   std::vector<uint32_t> i, j;
   std::vector<ImpulseBatch> impulse;
@@ -67,12 +64,17 @@ struct PairSlab {
   std::vector<BouncingBatch> bouncing;  // empty: nothing bounces
   std::vector<Bounce> bounces;
   float deepest = 0;     // overlap, m
-  uint32_t carried = 0;  // active contacts that carry an impulse after the last pass
-  uint32_t carried_asleep = 0;
+  uint32_t carried = 0;  // contacts that carry an impulse after the last pass
 
   // Impulse on grain i.
   vec3 impulseAt(uint32_t contact) const {
     const ImpulseBatch& batch = impulse[contact / kBatch];
+    const uint32_t lane = contact % kBatch;
+    return {batch.impulse[0][lane], batch.impulse[1][lane], batch.impulse[2][lane]};
+  }
+  vec3 rollingAt(uint32_t contact) const {
+    if (rolling.empty()) return vec3(0);
+    const RollingBatch& batch = rolling[contact / kBatch];
     const uint32_t lane = contact % kBatch;
     return {batch.impulse[0][lane], batch.impulse[1][lane], batch.impulse[2][lane]};
   }
@@ -86,6 +88,17 @@ struct PairSlab {
   // Working memory of the build.
   std::vector<std::pair<uint32_t, uint32_t>> foreign;  // pairs found by the slab above
   std::vector<uint32_t> colour, colour_count;
+};
+
+// A contact that takes its impulses along into the next lists, by their slots.
+struct JoiningPair {
+  uint32_t i, j;
+  vec3 impulse, rolling;  // on i
+};
+struct JoiningWall {
+  uint32_t grain;
+  uint32_t key;  // of the collider
+  vec3 impulse, rolling, normal;
 };
 
 // Impulses of contacts between two searches, listed by the grain of the lower slot.
@@ -107,18 +120,20 @@ struct PairLists {
   std::vector<uint64_t> mask[2];             // colours taken, by parity of the slab
   bool rolling = false, bouncing = false;
   uint64_t pair_count = 0;
-  uint64_t active_count = 0;  // pairs of which a grain is awake
 
-  // Finds all pairs of the grid and batches them; impulses are taken over from `old` (which may be
-  // these lists themselves), whose slot of new slot k is history[order[k]] (kNoSlot: none).
+  // Finds all pairs of the grid of which a grain is awake and batches them; impulses are taken over
+  // from `old` (which may be these lists themselves), whose slot of new slot k is before[k]
+  // (kNoSlot: none), and from `joining`.
   void build(const Grid& grid, const Bodies& bodies, const PairLists& old,
-             std::span<const uint32_t> order, std::span<const uint32_t> history);
+             std::span<const uint32_t> before, std::span<const JoiningPair> joining);
+  // Grains that are listed.
+  uint32_t bodyCount() const { return static_cast<uint32_t>(slab_of.size()); }
   size_t memoryBytes() const;
 
  private:
-  void keep(const PairLists& old, std::span<const uint32_t> order,
-            std::span<const uint32_t> history);
-  void find(const Grid& grid, uint32_t s);
+  void keep(const PairLists& old, std::span<const uint32_t> before,
+            std::span<const JoiningPair> joining);
+  void find(const Grid& grid, const Bodies& bodies, uint32_t s);
   void batch(const Grid& grid, const Bodies& bodies, uint32_t s);
   void fill(uint32_t s, const Bodies& bodies);
 
@@ -160,21 +175,13 @@ struct ColliderLists {
   std::vector<ColliderSlab> slab;
   uint32_t slab_count = 0;
 
-  // Lists the grains within their margin, plus `extra` m, of a collider's surface during the tick.
-  // `searched`: slots have changed since the last listing, where slot k was history[order[k]]
-  // (kNoSlot: none). If they have not, only colliders that changed are looked at: with none, nothing
-  // is done.
+  // Lists the grains awake within their margin, plus `extra` m, of a collider's surface during the
+  // tick. `searched`: slots have changed since the last listing, where slot k was before[k]
+  // (kNoSlot: none); impulses are taken over from there, and from `joining`, sorted by grain. If they
+  // have not, only colliders that changed are looked at: with none, nothing is done.
   void build(const Grid& grid, const Bodies& bodies, std::span<const Collider> colliders,
-             float extra, bool searched, std::span<const uint32_t> order,
-             std::span<const uint32_t> history);
-  // True if these are the colliders that were listed last, and none moves.
-  bool rest(std::span<const Collider> colliders) const;
-  // Marks sleepers as waking that a collider which is new, changed or moving touches, or on which
-  // one that has changed or gone pressed. Before build().
-  void wakeDisturbed(Bodies& bodies, std::span<const Collider> colliders) const;
-  size_t memoryBytes() const;
-
- private:
+             float extra, bool searched, std::span<const uint32_t> before,
+             std::span<const JoiningWall> joining);
   // A collider over the tick.
   struct Swept {
     Collider collider;
@@ -183,9 +190,15 @@ struct ColliderLists {
     PosedCollider begin;  // pose at the tick's begin
     bool fresh = true;    // not as it was at the last listing
   };
+  // Notes where the colliders go; true if any is not as it was. Part of build().
   bool sweep(std::span<const Collider> colliders);
+  // As swept last, by key.
+  std::span<const Swept> swept() const { return swept_; }
+  const Swept* sweptLast(const Collider& collider) const;  // null if it was not there, or different
+  size_t memoryBytes() const;
+
+ private:
   void list(uint32_t s, const Bodies& bodies, float extra);
-  const Swept* listed(uint32_t key) const;
   const ColliderContact* formerly(uint32_t slot, uint32_t key, uint32_t slabs) const;
 
   std::vector<Swept> swept_;

@@ -208,8 +208,8 @@ struct GrainStats {
   uint32_t grains = 0;
   uint32_t asleep = 0;          // of them
   uint32_t woken = 0;           // in the tick
-  uint32_t pairs_solved = 0;    // pairs that the passes visit: not both asleep
-  uint32_t pairs = 0;           // neighbour pairs in the lists
+  uint32_t visited = 0;         // in each pass: those awake and the sleepers near them
+  uint32_t pairs = 0;           // neighbour pairs that the passes visit: not both asleep
   uint32_t contacts = 0;        // pairs and collider contacts that carry an impulse
   uint32_t rebuilds = 0;        // neighbour searches in the tick
   double kinetic_energy = 0;    // J, linear and angular

@@ -58,7 +58,7 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
   const Float8 zero = splat(0), one = splat(1), tiny = splat(1e-37f);
   const Float8 h = splat(settings.h), inverse_h = splat(settings.inverse_h);
   const Float8 projection = splat(kProjection), slop = splat(kSlop);
-  const uint32_t batches = slab.active / kBatch;
+  const uint32_t batches = slab.count / kBatch;
   Float8 deepest = zero;
   slab.carried = 0;
 
@@ -174,7 +174,7 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
 
 inline void applyKept(PairSlab& slab, Body* body, const PassSettings& settings) {
   const Float8 zero = splat(0);
-  const uint32_t batches = slab.active / kBatch;
+  const uint32_t batches = slab.count / kBatch;
   slab.bounces.clear();
   slab.deepest = 0;
   for (uint32_t b = 0; b < batches; ++b) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 
 #include "engine/core/parallel.h"
 #include "modules/grains/contacts.h"
@@ -16,8 +17,8 @@ constexpr float kNearlyTouching = 1.005f;
 }  // namespace
 
 void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& old,
-                      std::span<const uint32_t> order, std::span<const uint32_t> history) {
-  keep(old, order, history);
+                      std::span<const uint32_t> before, std::span<const JoiningPair> joining) {
+  keep(old, before, joining);
   slab_count = grid.slabCount();
   if (slab.size() < slab_count) slab.resize(slab_count);
   remake(slab_of, bodies.count);
@@ -30,30 +31,27 @@ void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& o
     bouncing = bouncing || material.restitution > 0;
   }
   rolling = rolling || bouncing;
-  parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) { find(grid, uint32_t(s)); });
+  parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) { find(grid, bodies, uint32_t(s)); });
   parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
     batch(grid, bodies, uint32_t(s));
     fill(uint32_t(s), bodies);
   });
-  pair_count = active_count = 0;
-  for (uint32_t s = 0; s < slab_count; ++s) {
-    pair_count += slab[s].found_j.size();
-    active_count += slab[s].active_pairs;
-  }
+  pair_count = 0;
+  for (uint32_t s = 0; s < slab_count; ++s) pair_count += slab[s].found_j.size();
 }
 
 // Lists the impulses of `old` by the slots of now. The order within a grain's list may vary with
 // the threads; nothing depends on it.
-void PairLists::keep(const PairLists& old, std::span<const uint32_t> order,
-                     std::span<const uint32_t> history) {
-  const uint32_t n = static_cast<uint32_t>(order.size());
+void PairLists::keep(const PairLists& old, std::span<const uint32_t> before,
+                     std::span<const JoiningPair> joining) {
+  const uint32_t n = static_cast<uint32_t>(before.size());
   refill(kept_.begin, n, 0u);
   kept_.contact.clear();
   kept_.rolling.clear();
-  if (old.slab_count == 0) return;
+  if (old.slab_count == 0 && joining.empty()) return;
   refill(slot_now_, old.slab_of.size(), kNoSlot);
   for (uint32_t k = 0; k < n; ++k)
-    if (history[order[k]] != kNoSlot) slot_now_[history[order[k]]] = k;
+    if (before[k] != kNoSlot) slot_now_[before[k]] = k;
 
   const auto eachContact = [&](const auto& visit) {
     parallelChunks(old.slab_count, 1, [&](size_t s, size_t, size_t) {
@@ -71,6 +69,7 @@ void PairLists::keep(const PairLists& old, std::span<const uint32_t> order,
     return alone ? counter++ : std::atomic_ref(counter).fetch_add(1, std::memory_order_relaxed);
   };
   eachContact([&](const PairSlab&, uint32_t, uint32_t i, uint32_t j) { next(std::min(i, j)); });
+  for (const JoiningPair& pair : joining) next(std::min(pair.i, pair.j));
   uint32_t total = 0;
   for (uint32_t& begin : kept_.begin) {
     const uint32_t count = begin;
@@ -78,7 +77,7 @@ void PairLists::keep(const PairLists& old, std::span<const uint32_t> order,
     total += count;
   }
   remake(kept_.contact, total);
-  if (old.rolling) remake(kept_.rolling, total);
+  if (old.rolling || !joining.empty()) refill(kept_.rolling, total, vec3(0));
   eachContact([&](const PairSlab& from, uint32_t c, uint32_t i, uint32_t j) {
     const uint32_t at = next(std::min(i, j)), b = c / kBatch, lane = c % kBatch;
     const float sign = i < j ? 1.0f : -1.0f;
@@ -90,14 +89,25 @@ void PairLists::keep(const PairLists& old, std::span<const uint32_t> order,
                          signedAt(from.impulse[b].impulse)};
     if (old.rolling) kept_.rolling[at] = signedAt(from.rolling[b].impulse);
   });
+  for (const JoiningPair& pair : joining) {
+    const uint32_t at = next(std::min(pair.i, pair.j));
+    const float sign = pair.i < pair.j ? 1.0f : -1.0f;
+    kept_.contact[at] = {std::max(pair.i, pair.j) | KeptPairs::kTrusted, sign * pair.impulse};
+    if (!kept_.rolling.empty()) kept_.rolling[at] = sign * pair.rolling;
+  }
 }
 
-void PairLists::find(const Grid& grid, uint32_t s) {
+void PairLists::find(const Grid& grid, const Bodies& bodies, uint32_t s) {
   PairSlab& own = slab[s];
   own.found_j.clear();
   for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i) {
     slab_of[i] = s;
+    const auto before = static_cast<std::ptrdiff_t>(own.found_j.size());
     grid.neighbours(i, own.found_j);
+    if (!isAwake(bodies, i))
+      own.found_j.erase(std::remove_if(own.found_j.begin() + before, own.found_j.end(),
+                                       [&](uint32_t j) { return !isAwake(bodies, j); }),
+                        own.found_j.end());
     found_end[i] = static_cast<uint32_t>(own.found_j.size());
   }
 }
@@ -130,8 +140,7 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
   };
   // A round has colours 0 to 31 for pairs that touch and 32 to 63 for the rest: whole batches of
   // which nothing comes cost little.
-  constexpr uint32_t kWaits = 0xffffffffu, kSleeps = 0xfffffffeu;
-  uint32_t sleeping = 0, total = 0;
+  constexpr uint32_t kWaits = 0xffffffffu;
   remake(own.colour, own.found_j.size() + own.foreign.size());
   own.colour_count.clear();
   uint32_t waiting = 1;
@@ -141,12 +150,6 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     own.colour_count.resize(64 * (round + 1), 0);
     eachPair([&](uint32_t k, uint32_t i, uint32_t j) {
       if (round > 0 && own.colour[k] != kWaits) return;
-      total += round == 0;
-      if (isAsleep(bodies, i) && isAsleep(bodies, j)) {
-        own.colour[k] = kSleeps;
-        ++sleeping;
-        return;
-      }
       const Body &a = bodies.body[i], &b = bodies.body[j];
       const vec3 d = a.position - b.position;
       const float near = kNearlyTouching * (a.radius + b.radius);
@@ -170,10 +173,6 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     end += (n + kBatch - 1) & ~(kBatch - 1);
     n = begin;
   }
-  own.active = end;
-  own.active_pairs = total - sleeping;
-  uint32_t slept = end;  // sleepers' contacts come last, in no batches
-  end += (sleeping + kBatch - 1) & ~(kBatch - 1);
   own.count = end;
   own.border.clear();
   remake(own.i, end);
@@ -184,10 +183,8 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     own.j[k] = idle + kBatch + k % kBatch;
   }
   eachPair([&](uint32_t k, uint32_t i, uint32_t j) {
-    const uint32_t contact =
-        own.colour[k] == kSleeps ? slept++ : own.colour_count[own.colour[k]]++;
-    if (own.colour[k] != kSleeps && (isAsleep(bodies, i) || isAsleep(bodies, j)))
-      own.border.push_back(contact);
+    const uint32_t contact = own.colour_count[own.colour[k]]++;
+    if (!isAwake(bodies, i) || !isAwake(bodies, j)) own.border.push_back(contact);
     own.i[contact] = i;
     own.j[contact] = j;
   });
@@ -201,7 +198,6 @@ void PairLists::fill(uint32_t s, const Bodies& bodies) {
   refill(own.rolling, rolling ? batches : 0, RollingBatch{});
   refill(own.bouncing, bouncing ? batches : 0, BouncingBatch{});
   own.bounces.clear();
-  own.carried_asleep = 0;
   for (uint32_t c = 0; c < own.count; ++c) {
     const uint32_t i = own.i[c], j = own.j[c], b = c / kBatch, lane = c % kBatch;
     if (i >= bodies.count) continue;
@@ -222,7 +218,6 @@ void PairLists::fill(uint32_t s, const Bodies& bodies) {
           own.rolling[b].impulse[axis][lane] = sign * kept_.rolling[k][axis];
       if ((kept.other & KeptPairs::kTrusted) != 0)
         own.trust[b] = static_cast<uint8_t>(own.trust[b] | 1u << lane);
-      own.carried_asleep += c >= own.active;
       break;
     }
   }

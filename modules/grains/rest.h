@@ -1,29 +1,30 @@
 // When grains fall asleep, and what wakes them.
 //
 // A grain is still while it stays within a hundredth of its radius of where its rest began and its
-// spin is slow. It falls asleep when it has been still for kFallAsleep and the impulses on it cancel
-// its weight. Asleep it is an unmoving neighbour to those awake, and the impulses between sleepers
-// stay as they are. It wakes when the impulses of those awake no longer cancel its load, when a
-// collider that moves or goes away touches it, when a grain that pressed on it is removed, when
-// gravity or the tick changes, and when its row is written to. All of this is decided from the rows
-// and the kept impulses, grain by grain: a heap sleeps and wakes in parts.
+// spin is slow. It falls asleep when it and all that it leans on have been still for kFallAsleep and
+// the impulses on it cancel its weight. Asleep it is an unmoving neighbour to those awake, and the
+// impulses between sleepers stay as they are. It wakes when the impulses of those awake no longer
+// cancel its load, when it is about to be struck, when a collider that moves or goes away touches it,
+// when a grain that pressed on it is removed, when gravity or the tick changes, and when its row is
+// written to. All of this is decided grain by grain: a heap sleeps and wakes in parts.
 #pragma once
+
+#include <cstddef>
 
 #include "modules/grains/grains.h"
 
 namespace scree::grains {
 
 inline constexpr float kFallAsleep = 0.5f;  // s
-// Share of those awake that must have been still so long. They fall asleep together: a sleeper never
-// yields, so one among grains that still settle would take over their loads bit by bit.
-inline constexpr float kTogether = 0.95f;
+// Grains fall asleep when they are at least one in so many of those awake: each time costs a search.
+inline constexpr size_t kTogether = 64;
 inline constexpr float kStillWay = 0.01f;      // radii
 inline constexpr float kStillSpeed = 0.05f;    // m/s, of the grain and of its surface
 // A faster approach wakes a sleeper before it is struck.
 inline constexpr float kStrike = 0.1f;  // m/s
 // Impulse left over on a grain, as a share of its weight's: at most to fall asleep, and to stay so.
-inline constexpr float kBalanced = 0.25f, kUnbalanced = 0.5f;
+inline constexpr float kBalanced = 0.1f, kUnbalanced = 0.2f;
 // In addition, as a share of the sum of the impulses that the grain passes on.
-inline constexpr float kBalancedShare = 0.03f, kUnbalancedShare = 0.1f;
+inline constexpr float kBalancedShare = 0.02f, kUnbalancedShare = 0.05f;
 
 }  // namespace scree::grains

@@ -12,220 +12,281 @@ namespace {
 
 float length(vec3 v) { return std::sqrt(glm::dot(v, v)); }
 
+bool apart(vec3 low, vec3 high, const Bounds& bounds) {
+  return high.x < bounds.min.x || bounds.max.x < low.x || high.y < bounds.min.y ||
+         bounds.max.y < low.y || high.z < bounds.min.z || bounds.max.z < low.z;
+}
+
+// Of settled_: has been still for long; a neighbour that it leans on has not; falls asleep now.
+constexpr uint8_t kStill = 1, kHeldUp = 2, kFalling = 4;
+
 }  // namespace
 
-// Calls visit(table, row of it, slot) for the rows that may sleep.
-template <class Visit>
-void GrainSolver::eachRest(std::span<const GrainRows> tables, const Visit& visit) const {
-  size_t row = 0;
-  for (const GrainRows& table : tables)
-    for (size_t k = 0; k < table.entity.size(); ++k, ++row)
-      if (slot_of_row_[row] != kNoSlot && !table.rest.empty()) visit(table, k, slot_of_row_[row]);
-}
-
-// Impulse of gravity on a grain in a substep, N s.
-float GrainSolver::weight(uint32_t slot, vec3 gravity_step) const {
-  const float mass = grainMass(bodies_.body[slot].radius, bodies_.material[slot].density);
-  return mass * length(gravity_step);
-}
-
-// What disturbs sleepers before the tick: colliders, another gravity or tick length.
-void GrainSolver::wakeDisturbed(std::span<const GrainRows> tables,
-                                std::span<const Collider> colliders,
-                                const StepParameters& parameters, float h) {
-  asleep_ = static_cast<uint32_t>(
-      std::count(bodies_.asleep.begin(), bodies_.asleep.end(), Sleep::Asleep));
-  stats_.asleep = asleep_;
-  if (asleep_ == 0) return;
-  const bool first = last_h_ == 0;
-  if (!first && (h != last_h_ || parameters.gravity != last_gravity_)) {
-    for (Sleep& sleep : bodies_.asleep)
-      if (sleep == Sleep::Asleep) sleep = Sleep::Waking;
-  } else if (!first && !walls_.rest(colliders)) {
-    walls_.wakeDisturbed(bodies_, colliders);
+// What disturbs sleepers before the tick: another gravity or tick length, and colliders that are
+// new, changed or moving, or that were there and have changed or gone.
+void GrainSolver::findDisturbed(std::span<const Collider> colliders,
+                                const StepParameters& parameters) {
+  if (sleepers_.count() == 0 || last_h_ == 0) return;
+  if (substepOf(parameters) != last_h_ || parameters.gravity != last_gravity_) {
+    sleepers_.each([&](uint32_t berth) { waking_.push_back(berth); });
+    return;
   }
-  // What is about to be struck takes part in the impact. Slots are those of the lists unless grains
-  // came or went.
-  if (!adopted_) {
-    for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
-      for (const uint32_t c : pairs_.slab[s].border) {
-        uint32_t sleeper = pairs_.slab[s].i[c], other = pairs_.slab[s].j[c];
-        if (!isAsleep(bodies_, sleeper)) std::swap(sleeper, other);
-        if (!isAsleep(bodies_, sleeper) || isAsleep(bodies_, other)) continue;
-        const Body &a = bodies_.body[sleeper], &b = bodies_.body[other];
-        const vec3 d = a.position - b.position;
-        const float distance = length(d), closing = glm::dot(b.velocity, d) / distance;
-        if (closing > kStrike && distance - a.radius - b.radius < closing * parameters.dt)
-          bodies_.asleep[sleeper] = Sleep::Waking;
-      }
-    }
+  size_t staying = 0;
+  for (const Collider& collider : colliders) {
+    const bool same = walls_.sweptLast(collider) != nullptr;
+    staying += same;
+    if (same && !collider.moves()) continue;
+    const Bounds bounds = sweptBounds(collider);
+    const float motion = motionBound(collider);
+    const PosedCollider begin = poseCollider(collider, 0, 0, 0);
+    sleepers_.near(bounds.min, bounds.max, [&](uint32_t berth) {
+      const Sleeper& sleeper = sleepers_[berth];
+      const float reach = 1.01f * sleeper.radius;
+      if (!apart(sleeper.position - reach, sleeper.position + reach, bounds) &&
+          nearestSurface(begin, sleeper.position).distance < reach + motion)
+        waking_.push_back(berth);
+    });
   }
-  eachRest(tables, [&](const GrainRows& table, size_t k, uint32_t slot) {
-    if (bodies_.asleep[slot] != Sleep::Waking) return;
-    table.rest[k] = {table.grain[k].position, 0, false};
-    bodies_.asleep[slot] = Sleep::Awake;
-    Body& body = bodies_.body[slot];
-    body.inverse_mass = 1 / grainMass(body.radius, bodies_.material[slot].density);
-    body.gravity_scale = 1;
-    search_due_ = true;
-    --asleep_;
-    ++stats_.woken;
-  });
-  stats_.asleep = asleep_;
+  if (staying == walls_.swept().size()) return;
+  for (const ColliderLists::Swept& swept : walls_.swept()) {
+    const bool stays = std::any_of(colliders.begin(), colliders.end(), [&](const Collider& c) {
+      return c.key == swept.collider.key && walls_.sweptLast(c) != nullptr;
+    });
+    if (!stays)
+      sleepers_.pressing(swept.collider.key, [&](uint32_t berth) { waking_.push_back(berth); });
+  }
 }
 
-// After rows have gone: sleepers that one of the removed grains pressed on. Rows still name the
-// slots of before.
-void GrainSolver::wakeNeighboursOfRemoved(std::span<const GrainRows> tables) {
-  if (asleep_ == 0 || pairs_.slab_count == 0) return;
-  std::vector<Sleep>& now = bodies_.asleep;
-  std::vector<uint8_t> stays(now.size(), 0);
-  for (const uint32_t slot : slot_of_row_)
-    if (slot != kNoSlot) stays[slot] = 1;
+// Sleepers that are about to be struck take part in the impact.
+void GrainSolver::findStruck(const StepParameters& parameters) {
+  if (sleepers_.count() == 0) return;
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
-    const PairSlab& slab = pairs_.slab[s];
-    for (uint32_t c = 0; c < slab.count; ++c) {
-      const uint32_t i = slab.i[c], j = slab.j[c];
-      if (i >= stays.size() || stays[i] == stays[j] || !slab.carriesImpulse(c)) continue;
-      now[stays[i] != 0 ? i : j] = Sleep::Waking;
+    for (const uint32_t c : pairs_.slab[s].border) {
+      uint32_t sleeper = pairs_.slab[s].i[c], other = pairs_.slab[s].j[c];
+      if (!isAsleep(bodies_, sleeper)) std::swap(sleeper, other);
+      if (!isAsleep(bodies_, sleeper) || !isAwake(bodies_, other)) continue;
+      const Body &a = bodies_.body[sleeper], &b = bodies_.body[other];
+      const vec3 d = a.position - b.position;
+      const float distance = length(d), closing = glm::dot(b.velocity, d) / distance;
+      if (closing > kStrike && distance - a.radius - b.radius < closing * parameters.dt)
+        waking_.push_back(bodies_.berth[sleeper]);
     }
   }
-  eachRest(tables, [&](const GrainRows& table, size_t k, uint32_t slot) {
-    if (now[slot] != Sleep::Waking || !table.rest[k].asleep) return;
-    table.rest[k] = {table.grain[k].position, 0, false};
-    ++stats_.woken;
-  });
 }
 
-void GrainSolver::addPairLoad(std::vector<Load>& load, const PairSlab& slab,
-                              uint32_t contact) const {
+void GrainSolver::addPairLoad(const PairSlab& slab, uint32_t contact) {
   const vec3 impulse = slab.impulseAt(contact);
   const float size = length(impulse);
-  Load &i = load[slab.i[contact]], &j = load[slab.j[contact]];
+  Load &i = load_[slab.i[contact]], &j = load_[slab.j[contact]];
   i.impulse += impulse;
   i.carried += size;
   j.impulse -= impulse;
   j.carried += size;
 }
 
-// What gravity, the colliders and the contacts among sleepers leave over on each sleeper: constant
-// until the lists are made again.
-void GrainSolver::loadSleepers(vec3 gravity_step) {
-  if (asleep_ == 0) return;
-  refill(load_asleep_, bodies_.count, Load{});
-  for (uint32_t k = 0; k < bodies_.count; ++k)
-    if (isAsleep(bodies_, k))
-      load_asleep_[k].impulse =
-          grainMass(bodies_.body[k].radius, bodies_.material[k].density) * gravity_step;
-  for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
-    const PairSlab& slab = pairs_.slab[s];
-    for (uint32_t c = slab.active; c < slab.count; ++c)
-      if (slab.i[c] < bodies_.count) addPairLoad(load_asleep_, slab, c);
-    for (const ColliderContact& contact : walls_.slab[s].contact) {
-      if (!isAsleep(bodies_, contact.grain)) continue;
-      load_asleep_[contact.grain].impulse += contact.impulse;
-      load_asleep_[contact.grain].carried += length(contact.impulse);
-    }
-  }
-  load_ = load_asleep_;
-}
-
-// Marks sleepers on which those awake press harder, or less, than the others can bear.
-void GrainSolver::wakeUnbalanced(vec3 gravity_step) {
-  if (asleep_ == 0) return;
+// Sleepers on which those awake press harder, or less, than the others can bear.
+void GrainSolver::findUnbalanced(vec3 gravity_step) {
+  if (sleepers_.count() == 0) return;
   const auto eachBorder = [&](const auto& visit) {
     for (uint32_t s = 0; s < pairs_.slab_count; ++s)
-      for (const uint32_t c : pairs_.slab[s].border) {
-        const PairSlab& slab = pairs_.slab[s];
-        visit(slab, c, isAsleep(bodies_, slab.i[c]) ? slab.i[c] : slab.j[c]);
-      }
+      for (const uint32_t c : pairs_.slab[s].border) visit(pairs_.slab[s], c);
   };
-  eachBorder([&](const PairSlab& slab, uint32_t c, uint32_t) { addPairLoad(load_, slab, c); });
-  eachBorder([&](const PairSlab&, uint32_t, uint32_t sleeper) {
-    if (bodies_.asleep[sleeper] == Sleep::Waking) return;
-    const Load& load = load_[sleeper];
-    if (length(load.impulse) <=
-        kUnbalanced * weight(sleeper, gravity_step) + kUnbalancedShare * load.carried)
-      return;
-    bodies_.asleep[sleeper] = Sleep::Waking;
-    ++stats_.woken;
-    --stats_.asleep;
+  remake(load_, bodies_.count);
+  eachBorder([&](const PairSlab& slab, uint32_t c) {
+    for (const uint32_t slot : {slab.i[c], slab.j[c]})
+      load_[slot] = isAsleep(bodies_, slot) ? sleepers_[bodies_.berth[slot]].load : Load{};
   });
-  eachBorder([&](const PairSlab& slab, uint32_t c, uint32_t) {
-    load_[slab.i[c]] = load_asleep_[slab.i[c]];
-    load_[slab.j[c]] = load_asleep_[slab.j[c]];
+  eachBorder([&](const PairSlab& slab, uint32_t c) { addPairLoad(slab, c); });
+  eachBorder([&](const PairSlab& slab, uint32_t c) {
+    const uint32_t slot = isAsleep(bodies_, slab.i[c]) ? slab.i[c] : slab.j[c];
+    const Load& load = load_[slot];
+    const Sleeper& sleeper = sleepers_[bodies_.berth[slot]];
+    const float weight = grainMass(sleeper.radius, sleeper.material.density) * length(gravity_step);
+    if (length(load.impulse) > kUnbalanced * weight + kUnbalancedShare * load.carried)
+      waking_.push_back(bodies_.berth[slot]);
   });
+}
+
+// Wakes those in waking_.
+void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
+  if (waking_.empty()) return;
+  std::sort(waking_.begin(), waking_.end());
+  waking_.erase(std::unique(waking_.begin(), waking_.end()), waking_.end());
+  partners_.clear();
+  for (const uint32_t berth : waking_) {
+    const Sleeper sleeper = sleepers_[berth];
+    sleepers_.wake(berth, woken_pairs_, woken_walls_, partners_);
+    const uint32_t slot = sleeper.slot != kNoSlot ? sleeper.slot
+                                                  : appendBody(sleeper.entity, sleeper.material,
+                                                               sleeper.position, sleeper.radius);
+    bodies_.berth[slot] = kAwake;
+    setPlace(sleeper.entity, slot);
+    awake_.push_back({sleeper.row, slot});
+  }
+  for (const uint32_t berth : partners_)
+    if (sleepers_[berth].radius > 0) sleepers_.weigh(berth, gravity_step);
+  partners_.clear();
+  // The rows of those that are new in awake_.
+  std::sort(awake_.begin() + static_cast<std::ptrdiff_t>(awake_sorted_), awake_.end(), beforeRow);
+  eachRow(tables, std::span(awake_).subspan(awake_sorted_),
+          [](const GrainRows& table, size_t k, uint32_t) {
+            if (!table.rest.empty()) table.rest[k] = {table.grain[k].position, 0, false};
+          });
+  sortAwake();
+  stats_.woken += static_cast<uint32_t>(waking_.size());
+  waking_.clear();
+  search_due_ = true;
 }
 
 // Counts how long each grain has been still, and lets those fall asleep that are due.
 void GrainSolver::settle(std::span<const GrainRows> tables, vec3 gravity_step, float dt) {
-  uint32_t awake = 0, due = 0;
-  for (const GrainRows& table : tables) {
-    for (size_t k = 0; k < table.rest.size(); ++k) {
-      GrainRest& rest = table.rest[k];
-      if (rest.asleep) continue;
-      const float radius = table.grain[k].radius;
-      const vec3 way = table.grain[k].position - rest.anchor, v = table.velocity[k].linear,
-                 w = table.spin[k].angular * radius;
-      const float most = kStillWay * radius;
-      ++awake;
-      if (!(glm::dot(way, way) <= most * most) ||
-          !(glm::dot(v, v) + glm::dot(w, w) <= kStillSpeed * kStillSpeed)) {
-        rest = {table.grain[k].position, 0, false};
-        continue;
-      }
-      rest.still += dt;
-      due += rest.still >= kFallAsleep;
+  settled_.assign(bodies_.count, kStill);  // as sleepers are
+  size_t due = 0;
+  eachRow(tables, awake_, [&](const GrainRows& table, size_t k, uint32_t slot) {
+    settled_[slot] = 0;
+    if (table.rest.empty()) return;
+    GrainRest& rest = table.rest[k];
+    const float radius = table.grain[k].radius;
+    const vec3 way = table.grain[k].position - rest.anchor, v = table.velocity[k].linear,
+               w = table.spin[k].angular * radius;
+    const float most = kStillWay * radius;
+    if (!(glm::dot(way, way) <= most * most) ||
+        !(glm::dot(v, v) + glm::dot(w, w) <= kStillSpeed * kStillSpeed)) {
+      rest = {table.grain[k].position, 0, false};
+      return;
     }
-  }
-  if (due == 0 || static_cast<float>(due) < kTogether * static_cast<float>(awake)) return;
-
+    rest.still += dt;
+    if (rest.still < kFallAsleep) return;
+    settled_[slot] = kStill;
+    ++due;
+  });
+  if (due == 0) return;
+  const uint32_t listed = pairs_.bodyCount();
+  const auto eachContact = [&](const auto& visit) {
+    for (uint32_t s = 0; s < pairs_.slab_count; ++s)
+      for (uint32_t c = 0; c < pairs_.slab[s].count; ++c)
+        if (pairs_.slab[s].i[c] < listed && pairs_.slab[s].carriesImpulse(c))
+          visit(pairs_.slab[s], c);
+  };
+  eachContact([&](const PairSlab& slab, uint32_t c) {
+    uint8_t &i = settled_[slab.i[c]], &j = settled_[slab.j[c]];
+    if ((i & kStill) == 0) j |= kHeldUp;
+    if ((j & kStill) == 0) i |= kHeldUp;
+  });
   refill(load_, bodies_.count, Load{});
-  for (uint32_t k = 0; k < bodies_.count; ++k)
-    load_[k].impulse = grainMass(bodies_.body[k].radius, bodies_.material[k].density) * gravity_step;
-  for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
-    const PairSlab& slab = pairs_.slab[s];
-    for (uint32_t c = 0; c < slab.count; ++c)
-      if (slab.i[c] < bodies_.count) addPairLoad(load_, slab, c);
+  eachContact([&](const PairSlab& slab, uint32_t c) { addPairLoad(slab, c); });
+  for (uint32_t s = 0; s < walls_.slab_count; ++s)
     for (const ColliderContact& contact : walls_.slab[s].contact) {
       load_[contact.grain].impulse += contact.impulse;
       load_[contact.grain].carried += length(contact.impulse);
     }
+  size_t falling = 0;
+  for (const AwakeRow& awake : awake_) {
+    uint8_t& settled = settled_[awake.slot];
+    if (settled != kStill) continue;
+    const Body& body = bodies_.body[awake.slot];
+    const float mass = grainMass(body.radius, bodies_.material[awake.slot].density);
+    const Load& load = load_[awake.slot];
+    if (length(load.impulse + mass * gravity_step) >
+        kBalanced * mass * length(gravity_step) + kBalancedShare * load.carried)
+      continue;
+    settled |= kFalling;
+    ++falling;
   }
-  eachRest(tables, [&](const GrainRows& table, size_t k, uint32_t slot) {
-    GrainRest& rest = table.rest[k];
-    if (rest.asleep || rest.still < kFallAsleep) return;
-    const float most =
-        kBalanced * weight(slot, gravity_step) + kBalancedShare * load_[slot].carried;
-    if (length(load_[slot].impulse) > most) return;
-    rest = {table.grain[k].position, rest.still, true};
+  // Each time costs a search.
+  if (falling == 0 || kTogether * falling < awake_.size()) return;
+  layToSleep(tables, gravity_step);
+}
+
+// Makes sleepers of those that fall asleep.
+void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_step) {
+  const auto falls = [&](uint32_t slot) { return (settled_[slot] & kFalling) != 0; };
+  size_t stay = 0;
+  const std::span<AwakeRow> all(awake_);
+  eachRow(tables, all, [&](const GrainRows& table, size_t k, uint32_t slot) {
+    if (!falls(slot)) return;
+    table.rest[k] = {table.grain[k].position, table.rest[k].still, true};
     table.velocity[k].linear = vec3(0);
     table.spin[k].angular = vec3(0);
     table.previous[k].position = table.grain[k].position;
-    ++stats_.asleep;
   });
+  falling_.clear();
+  for (const AwakeRow& awake : all) {
+    if (!falls(awake.slot)) {
+      awake_[stay++] = awake;
+      continue;
+    }
+    Body& body = bodies_.body[awake.slot];
+    const uint32_t berth = sleepers_.lay({.position = body.position,
+                                          .radius = body.radius,
+                                          .slot = awake.slot,
+                                          .row = awake.row,
+                                          .entity = bodies_.entity[awake.slot],
+                                          .material = bodies_.material[awake.slot]});
+    body.velocity = body.spin = vec3(0);
+    body.inverse_mass = body.gravity_scale = 0;
+    bodies_.berth[awake.slot] = berth;
+    setPlace(bodies_.entity[awake.slot], berth | kBerthBit);
+    falling_.push_back(berth);
+  }
+  awake_.resize(stay);
+  awake_sorted_ = stay;
+
+  const uint32_t listed = pairs_.bodyCount();
+  for (uint32_t k = 0; k < bodies_.count; ++k)
+    if (isAsleep(bodies_, k)) sleepers_[bodies_.berth[k]].propped = false;
+  for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
+    const PairSlab& slab = pairs_.slab[s];
+    for (uint32_t c = 0; c < slab.count; ++c) {
+      const uint32_t i = slab.i[c], j = slab.j[c];
+      if (i >= listed || !slab.carriesImpulse(c)) continue;
+      if (!isAsleep(bodies_, i) || !isAsleep(bodies_, j)) {
+        for (const uint32_t slot : {i, j})
+          if (isAsleep(bodies_, slot)) sleepers_[bodies_.berth[slot]].propped = true;
+        continue;
+      }
+      if (!falls(i) && !falls(j)) continue;
+      sleepers_.lean(bodies_.berth[i], bodies_.berth[j], slab.impulseAt(c), slab.rollingAt(c));
+      for (const uint32_t slot : {i, j})
+        if (!falls(slot)) falling_.push_back(bodies_.berth[slot]);
+    }
+    for (const ColliderContact& contact : walls_.slab[s].contact)
+      if (falls(contact.grain) && contact.impulse != vec3(0))
+        sleepers_.leanOn(bodies_.berth[contact.grain], contact);
+  }
+  sleepers_.passDown(falling_, gravity_step);
+  search_due_ = true;
+  stats_.asleep = sleepers_.count();
 }
 
-// Loads of colliders on a tick of nothing but sleepers.
-void GrainSolver::passLoads(std::span<Collider> colliders, int substeps) {
-  stats_.rebuilds = stats_.pairs_solved = 0;
-  stats_.kinetic_energy = 0;
-  for (int substep = 0; substep < substeps; ++substep)
-    collectLoads(colliders, substep + 1 == substeps);
+// What sleepers press on sensed colliders, over a tick.
+void GrainSolver::addSleepersLoads(std::span<Collider> colliders, int substeps) const {
+  for (Collider& collider : colliders) {
+    if (!collider.sensed) continue;
+    const Sleepers::WallLoad* load = sleepers_.loadOn(collider.key);
+    if (load == nullptr) continue;
+    for (int axis = 0; axis < 3; ++axis)
+      collider.load[axis] -= substeps * load->impulse[static_cast<size_t>(axis)].value();
+    collider.load_contacts += load->contacts;
+  }
 }
 
 bool GrainSolver::sleepOn(std::span<Collider> colliders, const StepParameters& parameters) {
-  const int substeps = std::clamp(parameters.substeps, 1, 64);
-  const float h = std::min(parameters.dt, kLongestTick) / static_cast<float>(substeps);
-  if (bodies_.count == 0 || stats_.asleep != bodies_.count || !refused_.empty() || !lost_.empty() ||
-      h != last_h_ || parameters.gravity != last_gravity_ || !walls_.rest(colliders))
+  if (!awake_.empty() || sleepers_.count() == 0 || adopt_due_ || !refused_.empty() || !lost_.empty())
     return false;
-  stats_.woken = 0;
+  findDisturbed(colliders, parameters);
+  if (!waking_.empty()) {
+    waking_.clear();  // step() finds them again
+    return false;
+  }
+  walls_.sweep(colliders);
   for (Collider& collider : colliders) {
     collider.load = glm::dvec3(0);
     collider.load_contacts = 0;
   }
-  passLoads(colliders, substeps);
+  addSleepersLoads(colliders, std::clamp(parameters.substeps, 1, 64));
+  stats_.rebuilds = stats_.woken = 0;
+  measure();
   return true;
 }
 

@@ -16,8 +16,13 @@ constexpr size_t kChunk = 2048;
 
 }  // namespace
 
+float substepOf(const StepParameters& parameters) {
+  return std::min(parameters.dt, kLongestTick) /
+         static_cast<float>(std::clamp(parameters.substeps, 1, 64));
+}
+
 void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> colliders,
-                       const StepParameters& parameters) {
+                       const StepParameters& parameters, RowsAre rows) {
   refused_.clear();
   lost_.clear();
   for (Collider& collider : colliders) {
@@ -27,7 +32,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   if (!(parameters.dt > 0)) return;
   const float dt = std::min(parameters.dt, kLongestTick);
   const int substeps = std::clamp(parameters.substeps, 1, 64);
-  const float h = dt / static_cast<float>(substeps);
+  const float h = substepOf(parameters);
   const vec3 gravity_step = parameters.gravity * h;
   const float keep = std::clamp(1 - parameters.damping * h, 0.0f, 1.0f);
 
@@ -36,38 +41,56 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   grid_.use(*kernels_);
   stats_.rebuilds = 0;
   stats_.woken = 0;
-  adopted_ = adopt(tables);
-  if (adopted_) search_due_ = true;
-  readRows(tables);
-  stats_.grains = bodies_.count;
-  stats_.asleep = asleep_ = 0;
-  if (bodies_.count == 0) return;
-  wakeDisturbed(tables, colliders, parameters, h);
-  last_gravity_ = parameters.gravity;
-  if (asleep_ == bodies_.count && !search_due_ && h == last_h_ && walls_.rest(colliders)) {
-    passLoads(colliders, substeps);
-    return;
+  size_t row_count = 0;
+  for (const GrainRows& table : tables) row_count += table.entity.size();
+  if (rows == RowsAre::Unknown || adopt_due_ || row_count != row_count_) {
+    row_count_ = row_count;
+    adopt(tables);
+    wake(tables, gravity_step);
+    readRows(tables);
   }
+  findDisturbed(colliders, parameters);
+  findStruck(parameters);
+  wake(tables, gravity_step);
   if (last_h_ > 0 && h != last_h_) scaleKeptImpulses(h / last_h_);
   last_h_ = h;
+  last_gravity_ = parameters.gravity;
+  if (awake_.empty()) {
+    walls_.sweep(colliders);
+    addSleepersLoads(colliders, substeps);
+    measure();
+    return;
+  }
+  readyMasses();
   shareHeavyLoads();
   walls_due_ = true;
 
   for (int substep = 0; substep < substeps; ++substep) {
-    if (predict(gravity_step, h)) search_due_ = true;
+    ++age_;
+    if (predict(gravity_step, h)) search_due_ = left_margin_ = true;
     if (search_due_) searchNeighbours(h);
-    if (walls_due_) {
-      listColliders(colliders, dt);
-      loadSleepers(gravity_step);
-    }
+    if (walls_due_) listColliders(colliders, dt);
     relax(colliders, parameters, h, substep);
     collectLoads(colliders, substep + 1 == substeps);
     move(gravity_step, h, keep);
   }
-  wakeUnbalanced(gravity_step);
+  addSleepersLoads(colliders, substeps);
+  findUnbalanced(gravity_step);
   writeRows(tables, parameters, dt);
   measure();
+  wake(tables, gravity_step);
   settle(tables, gravity_step, dt);
+  adopt_due_ = adopt_due_ || !lost_.empty() || !refused_.empty();
+}
+
+// Masses as they are, before shareHeavyLoads().
+void GrainSolver::readyMasses() {
+  for (uint32_t k = 0; k < bodies_.count; ++k) {
+    if (!isAwake(bodies_, k)) continue;
+    Body& body = bodies_.body[k];
+    body.inverse_mass = 1 / grainMass(body.radius, bodies_.material[k].density);
+    body.gravity_scale = 1;
+  }
 }
 
 // Adds gravity; true if some grain may leave its margin within the substep.
@@ -215,6 +238,14 @@ void GrainSolver::scaleKeptImpulses(float factor) {
       contact.rolling *= scale;
     }
   }
+  for (WokenPair& pair : woken_pairs_) {
+    pair.impulse *= scale;
+    pair.rolling *= scale;
+  }
+  for (WokenWall& wall : woken_walls_) {
+    wall.impulse *= scale;
+    wall.rolling *= scale;
+  }
 }
 
 // Gauss-Seidel needs about as many passes as the ratio of masses in a contact. A light grain that a
@@ -225,16 +256,16 @@ void GrainSolver::shareHeavyLoads() {
   constexpr float kMostRatio = 1000;
   float lightest = 3e38f, heaviest = 0;
   for (uint32_t k = 0; k < bodies_.count; ++k) {
-    if (bodies_.body[k].inverse_mass == 0) continue;  // asleep
+    if (!isAwake(bodies_, k)) continue;
     lightest = std::min(lightest, bodies_.body[k].inverse_mass);
     heaviest = std::max(heaviest, bodies_.body[k].inverse_mass);
   }
   if (!(heaviest > kMostRatio * lightest)) return;
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
     const PairSlab& slab = pairs_.slab[s];
-    for (uint32_t c = 0; c < slab.active; ++c) {
-      if (slab.i[c] >= bodies_.count || !slab.carriesImpulse(c)) continue;
-      if (isAsleep(bodies_, slab.i[c]) || isAsleep(bodies_, slab.j[c])) continue;
+    for (uint32_t c = 0; c < slab.count; ++c) {
+      if (slab.i[c] >= pairs_.bodyCount() || !slab.carriesImpulse(c)) continue;
+      if (!isAwake(bodies_, slab.i[c]) || !isAwake(bodies_, slab.j[c])) continue;
       Body &i = bodies_.body[slab.i[c]], &j = bodies_.body[slab.j[c]];
       Body& light = i.inverse_mass > j.inverse_mass ? i : j;
       const Body& heavy = i.inverse_mass > j.inverse_mass ? j : i;

@@ -5,16 +5,21 @@
 // cells along z. A slab's contacts touch grains of that slab and the next only, so all even slabs
 // may run at once, then all odd ones; inside a slab the order is fixed. No result depends on the
 // thread count, nor on the order of the rows: grains are sorted by cell, then by entity.
+//
+// The bodies are the grains awake and the sleepers near them; all other sleepers cost nothing: see
+// sleepers.h and rest.h.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "modules/grains/awake_rows.h"
 #include "modules/grains/collider.h"
 #include "modules/grains/contacts.h"
 #include "modules/grains/grains.h"
 #include "modules/grains/grid.h"
+#include "modules/grains/sleepers.h"
 
 namespace scree::grains {
 
@@ -25,18 +30,6 @@ inline constexpr float kLeastRadius = 1e-5f, kMostRadius = 1e4f;      // m
 inline constexpr float kLeastDensity = 1e-3f, kMostDensity = 1e6f;    // kg/m^3
 inline constexpr float kMostSpeed = 1e5f;                             // m/s and rad/s at the surface
 inline constexpr float kMostDistance = 1e9f;                          // from the field's origin, m
-
-// Rows of one table; all spans have the same length.
-struct GrainRows {
-  std::span<const Entity> entity;
-  std::span<Grain> grain;
-  std::span<GrainVelocity> velocity;
-  std::span<GrainSpin> spin;
-  std::span<GrainOrientation> orientation;
-  std::span<GrainPrevious> previous;
-  std::span<const GrainMaterial> material;
-  std::span<GrainRest> rest;  // empty: these grains never sleep
-};
 
 // Which instructions the pair passes use; the results are the same to the bit.
 enum class Lanes : uint32_t { Widest, Baseline };
@@ -51,11 +44,18 @@ struct StepParameters {
   Lanes lanes = Lanes::Widest;
 };
 
+// Length of a substep, s.
+float substepOf(const StepParameters& parameters);
+
+// Whether anybody but step() has written, added, removed or moved rows since the last step.
+enum class RowsAre : uint32_t { Unknown, AsLeft };
+
 class GrainSolver {
  public:
-  // Advances all rows by one tick. Colliders' `load` fields are written.
+  // Advances all rows by one tick. Colliders, sorted by key; their `load` fields are written. With
+  // rows as step() left them, those of sleepers are not even read.
   void step(std::span<const GrainRows> tables, std::span<Collider> colliders,
-            const StepParameters& parameters);
+            const StepParameters& parameters, RowsAre rows = RowsAre::Unknown);
 
   // A tick in which all grains sleep on and nothing is searched or solved: true, and the colliders
   // have their loads. False if something may wake: step() is due. The rows must be as the last
@@ -74,57 +74,72 @@ class GrainSolver {
   size_t memoryBytes() const;
 
  private:
-  bool adopt(std::span<const GrainRows> tables);
+  // Rows, in solver_rows.cpp.
+  void adopt(std::span<const GrainRows> tables);
   void readRows(std::span<const GrainRows> tables);
   void writeRows(std::span<const GrainRows> tables, const StepParameters& parameters, float dt);
-  void scaleKeptImpulses(float factor);
+  uint32_t placeOf(Entity entity) const;
+  void setPlace(Entity entity, uint32_t place);
+  uint32_t appendBody(Entity entity, const GrainMaterial& material, vec3 position, float radius);
+  void sortAwake();
+
   // Sleep, in sleep.cpp.
-  void wakeDisturbed(std::span<const GrainRows> tables, std::span<const Collider> colliders,
-                     const StepParameters& parameters, float h);
-  void wakeNeighboursOfRemoved(std::span<const GrainRows> tables);
-  void loadSleepers(vec3 gravity_step);
-  void wakeUnbalanced(vec3 gravity_step);
+  void findDisturbed(std::span<const Collider> colliders, const StepParameters& parameters);
+  void findStruck(const StepParameters& parameters);
+  void findUnbalanced(vec3 gravity_step);
+  void wake(std::span<const GrainRows> tables, vec3 gravity_step);
   void settle(std::span<const GrainRows> tables, vec3 gravity_step, float dt);
-  template <class Visit>
-  void eachRest(std::span<const GrainRows> tables, const Visit& visit) const;
-  void passLoads(std::span<Collider> colliders, int substeps);
-  struct Load {
-    vec3 impulse{0};    // left over: of all contacts and gravity, N s
-    float carried = 0;  // sum of the contacts' sizes, N s
-  };
-  void addPairLoad(std::vector<Load>& load, const PairSlab& slab, uint32_t contact) const;
-  float weight(uint32_t slot, vec3 gravity_step) const;
-  void shareHeavyLoads();
-  bool predict(vec3 gravity_step, float h);
+  void layToSleep(std::span<const GrainRows> tables, vec3 gravity_step);
+  void addPairLoad(const PairSlab& slab, uint32_t contact);
+  void addSleepersLoads(std::span<Collider> colliders, int substeps) const;
+
+  // Searches, in solver_search.cpp.
+  void gatherNear(float h);
   void chooseMargins(float h);
   void searchNeighbours(float h);
+  void joinWoken();
   void listColliders(std::span<const Collider> colliders, float dt);
+
+  void readyMasses();
+  void shareHeavyLoads();
+  bool predict(vec3 gravity_step, float h);
   void relax(std::span<Collider> colliders, const StepParameters& parameters, float h, int substep);
   void bounce();
   void collectLoads(std::span<Collider> colliders, bool last_substep);
   void move(vec3 gravity_step, float h, float keep);
+  void scaleKeptImpulses(float factor);
   void measure();
 
   // A slot is a grain's place in the solver's arrays: sorted by cell, changed by each search.
   Bodies bodies_, sorted_;
+  Sleepers sleepers_;
   Grid grid_;
   const Kernels* kernels_ = &kBaselineKernels;
   PairLists pairs_;
   ColliderLists walls_;
-  std::vector<uint32_t> order_;    // slot -> slot before the last sort
-  std::vector<uint32_t> history_;  // slot -> slot in the contact lists; kNoSlot: not in them
-  std::vector<float> margin_;      // by slot, m
-  std::vector<Entity> row_entity_;      // by input row, over all tables
-  std::vector<uint32_t> slot_of_row_;   // kNoSlot: refused
-  std::vector<uint32_t> slot_moved_;    // slot before the sort -> slot
-  // Working memory of adopt().
-  std::vector<uint32_t> slot_of_index_, old_history_;
+  std::vector<AwakeRow> awake_;   // by row, over all tables
+  size_t awake_sorted_ = 0;       // of them
+  std::vector<uint32_t> place_;   // by entity index: slot, or berth with kBerthBit; kNoSlot
+  static constexpr uint32_t kBerthBit = 0x80000000u;
+  size_t row_count_ = 0;          // when they were adopted
+  // Working memory of a search.
+  std::vector<uint32_t> order_;   // slot -> slot before the sort
+  std::vector<uint32_t> before_;  // slot -> slot at the last search; kNoSlot: not in the lists
+  std::vector<uint32_t> before_sort_;
+  std::vector<uint32_t> moved_, slot_of_;  // slot before the search -> before the sort -> slot
+  std::vector<float> margin_;     // by slot, m
   std::vector<PosedCollider> posed_;  // at the substep's begin
   std::vector<uint8_t> chunk_flags_;
-  // Of sleepers: what the contacts among them and with colliders leave over, and with those awake.
-  std::vector<Load> load_asleep_, load_;
-  uint32_t asleep_ = 0;
-  bool adopted_ = false;  // in this tick grains came or went
+  // Of sleep.
+  std::vector<uint32_t> waking_;  // berths
+  std::vector<uint32_t> partners_, falling_;
+  std::vector<uint8_t> settled_;  // by slot
+  std::vector<Load> load_;        // by slot
+  std::vector<WokenPair> woken_pairs_;  // since the last search
+  std::vector<WokenWall> woken_walls_;
+  std::vector<JoiningPair> joining_pairs_;
+  std::vector<JoiningWall> joining_walls_;
+
   vec3 last_gravity_{0};
   std::vector<Entity> refused_, lost_;
   GrainStats stats_;
@@ -132,6 +147,12 @@ class GrainSolver {
   vec3 drift_{0};         // velocity that margins are measured against, m/s
   float drift_time_ = 0;  // since the last search, s
   float last_h_ = 0;
+  float lifetime_ = 4;          // of chooseMargins()
+  float least_margin_ = 0.12f;
+  uint32_t listed_awake_ = 0;   // at the last search
+  int age_ = 0;           // substeps since the last search
+  bool left_margin_ = false;
+  bool adopt_due_ = true;
   bool search_due_ = true;
   bool walls_due_ = true;
   bool searched_ = false;  // since the colliders were listed

@@ -41,6 +41,9 @@ void step(GrainsState& state) {
     keepColliderPoses(state);
     return;
   }
+  // Opening the columns counts as writing to them: ask before.
+  const RowsAre rows =
+      state.grains.version() == state.rows_seen ? RowsAre::AsLeft : RowsAre::Unknown;
   state.tables.clear();
   state.grains.spans([&](std::span<const Entity> entities, std::span<Grain> grain,
                          std::span<GrainVelocity> velocity, std::span<GrainSpin> spin,
@@ -50,7 +53,7 @@ void step(GrainsState& state) {
     state.tables.push_back(
         {entities, grain, velocity, spin, orientation, previous, material, rest});
   });
-  state.solver.step(state.tables, state.colliders, parameters);
+  state.solver.step(state.tables, state.colliders, parameters, rows);
   state.stepped = !state.tables.empty();
   world.singleton<GrainStats>() = state.solver.stats();
 

@@ -88,7 +88,8 @@ std::vector<std::pair<uint32_t, uint32_t>> search(const Field& field, float marg
     margin[k] = margin_share * field.grain[k].radius;
   }
   Grid grid;
-  std::vector<uint32_t> order, history(n, kNoSlot);
+  std::vector<uint32_t> order;
+  const std::vector<uint32_t> before(n, kNoSlot);
   grid.plan(bodies, margin, order);
   for (const uint32_t from : order) {
     sorted.body.push_back(bodies.body[from]);
@@ -97,14 +98,14 @@ std::vector<std::pair<uint32_t, uint32_t>> search(const Field& field, float marg
   }
   grid.read(sorted);
   PairLists lists, none;
-  lists.build(grid, sorted, none, order, history);
+  lists.build(grid, sorted, none, before, {});
   std::vector<std::pair<uint32_t, uint32_t>> pairs;
   for (uint32_t s = 0; s < lists.slab_count; ++s) {
     const PairSlab& slab = lists.slab[s];
     const uint32_t above = grid.slabAbove(s);
-    for (uint32_t c = 0; c < slab.count; c += 4) {
+    for (uint32_t c = 0; c < slab.count; c += kBatch) {
       std::set<uint32_t> batch;
-      for (uint32_t k = c; k < c + 4; ++k) {
+      for (uint32_t k = c; k < c + kBatch; ++k) {
         // Lanes of a batch never share a body.
         EXPECT_TRUE(batch.insert(slab.i[k]).second && batch.insert(slab.j[k]).second);
         if (slab.i[k] >= n) continue;

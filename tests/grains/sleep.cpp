@@ -18,11 +18,11 @@ struct Bed : Field {
     parameters.damping = 0.05f;
     pour(*this, n, height, 0.05f, 6, 0.2f, {1000, 0.5f, 0.02f, 0});
   }
-  void step(int ticks = 1) {
+  void step(int ticks = 1, RowsAre rows = RowsAre::Unknown) {
     rest.resize(grain.size());
     for (int k = 0; k < ticks; ++k) {
       const GrainRows all{entity, grain, velocity, spin, orientation, previous, material, rest};
-      solver.step(std::span(&all, 1), colliders, parameters);
+      solver.step(std::span(&all, 1), colliders, parameters, rows);
     }
   }
   // Ticks until all sleep.
@@ -72,7 +72,7 @@ TEST(Sleep, HeapFallsAsleepAndStaysToTheBit) {
   for (int tick = 0; tick < 200; ++tick) {
     bed.step();
     ASSERT_EQ(bed.solver.stats().rebuilds, 0u);
-    ASSERT_EQ(bed.solver.stats().pairs_solved, 0u);
+    ASSERT_EQ(bed.solver.stats().pairs, 0u);
     ASSERT_EQ(bed.solver.stats().woken, 0u);
   }
   EXPECT_EQ(bed.solver.stats().asleep, bed.grain.size());
@@ -110,6 +110,40 @@ TEST(Sleep, WakesWhereAFastGrainStrikes) {
   EXPECT_LT(far_awake, far / 20);
   bed.sleep();
   EXPECT_EQ(bed.asleep(), bed.grain.size());
+}
+
+TEST(Sleep, AFewAwakeVisitNoneButTheirNeighbours) {
+  Bed bed(24, 5);
+  ASSERT_LT(bed.sleep(), 1500);
+  bed.add(bed.grain[bed.highest()].position + vec3(0, 0.2f, 0), 0.05f, {1000, 0.5f, 0.02f, 0});
+  for (int tick = 0; tick < 240; ++tick) {
+    bed.step();
+    ASSERT_LT(bed.solver.stats().visited, bed.grain.size() / 5) << tick;
+    ASSERT_LT(bed.solver.stats().pairs, bed.grain.size() / 2) << tick;
+  }
+  EXPECT_EQ(bed.solver.stats().asleep, bed.asleep());
+}
+
+TEST(Sleep, RowsAsLeftNeedNotBeRead) {
+  // A heap that sleeps and wakes in parts under a rake, with rows known to be as left, and not.
+  uint64_t want = 0;
+  for (const RowsAre rows : {RowsAre::Unknown, RowsAre::AsLeft}) {
+    Bed bed(10, 4);
+    bed.addBox({-2, 0.2f, 0}, {0.02f, 0.15f, 0.2f}, 0.5f);
+    uint64_t sum = 0;
+    size_t some = 0;
+    for (int tick = 0; tick < 900; ++tick) {
+      Collider& rake = bed.colliders.back();
+      rake.position0 = rake.position1;
+      if (tick > 400) rake.position1.x += 0.006f;
+      bed.step(1, rows);
+      sum = hashCombine(sum, bed.hashWithRest());
+      some += bed.asleep() > 0 && bed.asleep() < bed.grain.size();
+    }
+    EXPECT_GT(some, 200u);
+    if (rows == RowsAre::Unknown) want = sum;
+    EXPECT_EQ(sum, want);
+  }
 }
 
 TEST(Sleep, WakesUnderAMovingCollider) {
@@ -184,7 +218,7 @@ TEST(Sleep, LoadIsStillFelt) {
   for (size_t k = 0; k < bed.grain.size(); ++k) mass += bed.mass(k);
   for (int tick = 0; tick < 3; ++tick) {
     bed.step();
-    EXPECT_NEAR(load() / mass, 1, 0.01);
+    EXPECT_NEAR(load() / mass, 1, 0.003);
   }
   // What comes on top is felt below.
   for (uint64_t k = 0; k < 60; ++k)
@@ -195,7 +229,7 @@ TEST(Sleep, LoadIsStillFelt) {
   for (size_t k = 0; k < bed.grain.size(); ++k) more += bed.mass(k);
   ASSERT_GT(more, 1.1 * mass);
   bed.sleep();
-  EXPECT_NEAR(load() / more, 1, 0.02);
+  EXPECT_NEAR(load() / more, 1, 0.005);
 }
 
 TEST(Sleep, IsTheSameForEveryThreadCountAndOrderOfRows) {

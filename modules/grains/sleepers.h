@@ -1,0 +1,184 @@
+// Grains asleep: where they lie, how they lean on each other and on colliders, and what they bear.
+//
+// Nothing here is visited while nothing happens: a search looks up the few that lie near a grain
+// awake, and those take part in the contact lists as bodies that do not move. Contacts between two
+// sleepers are kept here, from the moment both sleep to the moment that one wakes; sums are taken in
+// the order of the other's entity, so that no result depends on the order of events.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "modules/grains/bodies.h"
+#include "modules/grains/collider.h"
+#include "modules/grains/contacts.h"
+
+namespace scree::grains {
+
+// A sum of floats that does not depend on their order: fixed point with 2^-80 N s.
+class ExactSum {
+ public:
+  void add(float value) { sum_ += static_cast<Int128>(static_cast<double>(value) * kScale); }
+  double value() const { return static_cast<double>(sum_) / kScale; }
+
+ private:
+  __extension__ using Int128 = __int128;
+  static constexpr double kScale = 0x1p80;
+  Int128 sum_ = 0;
+};
+
+struct Sleeper {
+  vec3 position{0};
+  float radius = 0;  // 0: nobody's berth
+  uint32_t slot = kNoSlot;  // among the solver's bodies, if it lies near a grain awake
+  uint32_t slot_before = kNoSlot;  // working memory of the solver
+  // Lists of Sleepers: next in its bucket, or next free berth; first contacts.
+  uint32_t next = kNoSlot;
+  int32_t level = 0;
+  bool propped = false;  // a contact with a grain awake bears on it
+  uint32_t pairs = kNoSlot, walls = kNoSlot;
+  uint32_t row = 0;
+  Entity entity;
+  GrainMaterial material;
+  Load load;  // of gravity, of other sleepers and of colliders, a substep
+};
+
+// What those who woke take along.
+struct WokenPair {
+  Entity a, b;
+  vec3 impulse, rolling;  // on a
+};
+struct WokenWall {
+  Entity grain;
+  uint32_t key;  // of the collider
+  vec3 impulse, rolling, normal;
+};
+
+class Sleepers {
+ public:
+  uint32_t count() const { return count_; }
+  uint32_t contacts() const { return contacts_; }
+  // A berth is a sleeper's place in here; it keeps it until it wakes.
+  Sleeper& operator[](uint32_t berth) { return sleeper_[berth]; }
+  const Sleeper& operator[](uint32_t berth) const { return sleeper_[berth]; }
+  template <class Visit>
+  void each(const Visit& visit) const {
+    for (uint32_t berth = 0; berth < sleeper_.size(); ++berth)
+      if (sleeper_[berth].radius > 0) visit(berth);
+  }
+
+  uint32_t lay(const Sleeper& sleeper);
+  // A contact of sleepers a and b; impulses on a.
+  void lean(uint32_t a, uint32_t b, vec3 impulse, vec3 rolling);
+  void leanOn(uint32_t berth, const ColliderContact& contact);
+  // Sums what the sleeper bears. After its contacts have changed.
+  void weigh(uint32_t berth, vec3 gravity_step);
+  // Weighs these, and lets each that is not propped pass on what its contacts leave over to the lower
+  // one that bears most, and so on down to the colliders: what all sleepers press is what they weigh.
+  void passDown(std::vector<uint32_t>& berths, vec3 gravity_step);
+
+  // Takes the sleeper out; its contacts go to `pairs` and `walls`, and from the lists of those that
+  // it leaned on, whose berths go to `partners`.
+  void wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<WokenWall>& walls,
+            std::vector<uint32_t>& partners);
+
+  // Calls visit(berth) for all whose spheres touch the box, and some others.
+  template <class Visit>
+  void near(vec3 low, vec3 high, const Visit& visit) const;
+  // The same for those that press on a collider.
+  template <class Visit>
+  void pressing(uint32_t key, const Visit& visit) const;
+
+  struct WallLoad {
+    uint32_t key = 0;
+    uint32_t contacts = 0;
+    std::array<ExactSum, 3> impulse;  // on the grains, N s a substep
+  };
+  // Null: nothing sleeps on it.
+  const WallLoad* loadOn(uint32_t key) const;
+
+  size_t memoryBytes() const;
+
+ private:
+  struct PairNode {
+    uint32_t other = 0;  // berth
+    uint32_t next = kNoSlot;
+    vec3 impulse{0}, rolling{0};  // on the lists' owner
+  };
+  struct WallNode {
+    uint32_t key = 0;
+    uint32_t next = kNoSlot;
+    vec3 impulse{0}, rolling{0}, normal{0};
+  };
+  template <class Node>
+  struct Pool {
+    std::vector<Node> node;
+    uint32_t free = kNoSlot;
+    uint32_t take();
+    void give(uint32_t at);
+  };
+
+  static int levelOf(float radius);
+  // Of the cells along x: bucket_[(bucketRow + x) & mask].
+  static uint32_t bucketRow(int level, int32_t y, int32_t z);
+  uint32_t bucketOf(const Sleeper& sleeper) const;
+  void growTable();
+  void insertPair(uint32_t owner, const PairNode& node);
+  WallLoad& wallLoad(uint32_t key);
+
+  std::vector<Sleeper> sleeper_;
+  uint32_t free_ = kNoSlot, count_ = 0, contacts_ = 0;
+  Pool<PairNode> pair_;
+  Pool<WallNode> wall_;
+  std::vector<WallLoad> wall_load_;  // by key
+  std::vector<uint32_t> bucket_;     // first berth
+  // Cells of level l are 2^(l + kLowestLevel) m wide: at least a diameter of those in them.
+  static constexpr int kLowestLevel = -16, kLevels = 32;
+  std::array<uint32_t, kLevels> members_{};
+};
+
+template <class Visit>
+void Sleepers::near(vec3 low, vec3 high, const Visit& visit) const {
+  if (count_ == 0) return;
+  for (int level = 0; level < kLevels; ++level) {
+    const uint32_t members = members_[static_cast<size_t>(level)];
+    if (members == 0) continue;
+    const double cell = std::ldexp(1.0, level + kLowestLevel), inverse = 1 / cell;
+    const float half = static_cast<float>(0.5 * cell);
+    int32_t from[3], to[3];
+    double cells = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      from[axis] = cellOf(low[axis] - half, inverse);
+      to[axis] = cellOf(high[axis] + half, inverse);
+      cells *= static_cast<double>(to[axis]) - from[axis] + 1;
+    }
+    if (!(cells <= 2.0 * members + 64)) {
+      each([&](uint32_t berth) {
+        if (sleeper_[berth].level == level) visit(berth);
+      });
+      continue;
+    }
+    const uint32_t mask = static_cast<uint32_t>(bucket_.size() - 1);
+    for (int32_t z = from[2]; z <= to[2]; ++z)
+      for (int32_t y = from[1]; y <= to[1]; ++y) {
+        const uint32_t row = bucketRow(level, y, z);
+        for (int32_t x = from[0]; x <= to[0]; ++x)
+          for (uint32_t berth = bucket_[(row + static_cast<uint32_t>(x)) & mask]; berth != kNoSlot;
+               berth = sleeper_[berth].next)
+            if (sleeper_[berth].level == level) visit(berth);
+      }
+  }
+}
+
+template <class Visit>
+void Sleepers::pressing(uint32_t key, const Visit& visit) const {
+  if (loadOn(key) == nullptr) return;
+  each([&](uint32_t berth) {
+    for (uint32_t at = sleeper_[berth].walls; at != kNoSlot; at = wall_.node[at].next)
+      if (wall_.node[at].key == key) visit(berth);
+  });
+}
+
+}  // namespace scree::grains

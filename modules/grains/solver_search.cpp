@@ -1,0 +1,192 @@
+// The solver's neighbour searches: who takes part, margins, lists.
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "modules/grains/solver.h"
+
+namespace scree::grains {
+
+// Chooses each grain's margin: how far it may go before the next search. A wide margin makes
+// searches rare and lists long; see kLifetimes.
+void GrainSolver::chooseMargins(float h) {
+  const uint32_t n = bodies_.count;  // all awake
+  margin_.resize(n);
+  // Margins are measured from the mean motion, so that what falls together needs no search. Sums
+  // are of integers: they do not depend on the order of the grains.
+  constexpr float kScale = 1024;
+  int64_t sum[3] = {0, 0, 0};
+  for (uint32_t k = 0; k < n; ++k)
+    for (int axis = 0; axis < 3; ++axis)
+      sum[axis] += static_cast<int64_t>(bodies_.body[k].velocity[axis] * kScale);
+  const auto mean = [&](int axis) {
+    return static_cast<float>(static_cast<double>(sum[axis]) / (kScale * static_cast<double>(n)));
+  };
+  drift_ = sleepers_.count() == 0 ? vec3(mean(0), mean(1), mean(2)) : vec3(0);
+  if (glm::dot(drift_, drift_) < 0.25f) drift_ = vec3(0);
+  drift_time_ = 0;
+
+  // Wide margins make searches rare and lists long. How long depends on how dense what moves is: a
+  // stream that falls has few neighbours however wide its margins. So the widths follow what came
+  // of them: the age that the last lists reached, and their length.
+  constexpr float kLongest = 8, kShortest = 1.5f;  // substeps that a search should last
+  constexpr float kWidest = 0.3f, kNarrowest = 0.1f;  // least margin, radii
+  constexpr uint64_t kManyPairs = 6;                // a grain
+  const uint64_t pairs = pairs_.pair_count;
+  if (pairs > kManyPairs * listed_awake_) {
+    lifetime_ *= 0.8f;
+    least_margin_ *= 0.9f;
+  } else if (left_margin_ && age_ < 6) {
+    lifetime_ *= 1.25f;
+    least_margin_ *= 1.1f;
+  } else if (age_ > 12) {
+    least_margin_ *= 0.9f;
+  }
+  lifetime_ = std::clamp(lifetime_, kShortest, kLongest);
+  least_margin_ = std::clamp(least_margin_, kNarrowest, kWidest);
+  left_margin_ = false;
+  age_ = 0;
+  listed_awake_ = n;
+  for (uint32_t k = 0; k < n; ++k) {
+    const Body& grain = bodies_.body[k];
+    const vec3 relative = grain.velocity - drift_;
+    const float speed = std::sqrt(glm::dot(relative, relative));
+    margin_[k] = std::min(least_margin_ * grain.radius + lifetime_ * h * speed, 4 * grain.radius);
+  }
+}
+
+// Keeps the bodies awake, chooses their margins, and adds the sleepers within reach.
+void GrainSolver::gatherNear(float h) {
+  const uint32_t listed = pairs_.bodyCount();
+  moved_.assign(bodies_.count, kNoSlot);
+  before_sort_.clear();
+  uint32_t n = 0;
+  for (uint32_t k = 0; k < bodies_.count; ++k) {
+    const uint32_t before = k < listed ? k : kNoSlot;
+    if (!isAwake(bodies_, k)) {
+      if (!isAsleep(bodies_, k)) continue;
+      Sleeper& sleeper = sleepers_[bodies_.berth[k]];
+      sleeper.slot = kNoSlot;
+      sleeper.propped = false;
+      sleeper.slot_before = before;
+      partners_.push_back(bodies_.berth[k]);
+      continue;
+    }
+    moved_[k] = n;
+    before_sort_.push_back(before);
+    if (n != k) {
+      bodies_.body[n] = bodies_.body[k];
+      bodies_.entity[n] = bodies_.entity[k];
+      bodies_.material[n] = bodies_.material[k];
+      bodies_.berth[n] = kAwake;
+    }
+    ++n;
+  }
+  bodies_.count = n;
+  bodies_.body.resize(n);
+  bodies_.entity.resize(n);
+  bodies_.material.resize(n);
+  bodies_.berth.resize(n);
+  chooseMargins(h);
+  for (uint32_t k = 0; k < n && sleepers_.count() > 0; ++k) {
+    const vec3 p = bodies_.body[k].position;
+    const float reach = bodies_.body[k].radius + margin_[k];
+    sleepers_.near(p - reach, p + reach, [&](uint32_t berth) {
+      Sleeper& sleeper = sleepers_[berth];
+      const vec3 d = sleeper.position - p;
+      const float sum = reach + sleeper.radius;
+      if (sleeper.slot != kNoSlot || !(glm::dot(d, d) < sum * sum)) return;
+      sleeper.slot = appendBody(sleeper.entity, sleeper.material, sleeper.position, sleeper.radius);
+      bodies_.berth[sleeper.slot] = berth;
+      bodies_.body[sleeper.slot].inverse_mass = 0;
+      bodies_.body[sleeper.slot].gravity_scale = 0;
+      before_sort_.push_back(sleeper.slot_before);
+      margin_.push_back(0);
+    });
+  }
+  for (const uint32_t berth : partners_) sleepers_[berth].slot_before = kNoSlot;
+  partners_.clear();
+}
+
+void GrainSolver::searchNeighbours(float h) {
+  gatherNear(h);
+  const uint32_t n = bodies_.count;
+  grid_.plan(bodies_, margin_, order_);
+  sorted_.count = n;
+  const size_t padded = size_t{n} + size_t{grid_.slabCount()} * kIdleBodies;
+  sorted_.body.resize(padded);
+  sorted_.entity.resize(n);
+  sorted_.material.resize(n);
+  sorted_.reference.resize(n);
+  sorted_.berth.resize(n);
+  before_.resize(n);
+  slot_of_.resize(n);
+  for (uint32_t k = 0; k < n; ++k) {
+    const uint32_t from = order_[k];
+    sorted_.body[k] = bodies_.body[from];
+    sorted_.entity[k] = bodies_.entity[from];
+    sorted_.material[k] = bodies_.material[from];
+    sorted_.reference[k] = {bodies_.body[from].position, margin_[from]};
+    sorted_.berth[k] = bodies_.berth[from];
+    before_[k] = before_sort_[from];
+    slot_of_[from] = k;
+    if (sorted_.berth[k] == kAwake) {
+      place_[sorted_.entity[k].index] = k;
+    } else {
+      sleepers_[sorted_.berth[k]].slot = k;
+    }
+  }
+  for (size_t k = n; k < padded; ++k) {
+    Body idle;
+    idle.radius = 1;
+    idle.position = vec3(1e6f * static_cast<float>((k - n) % kIdleBodies), 0, 0);
+    sorted_.body[k] = idle;
+  }
+  std::swap(bodies_, sorted_);
+  for (AwakeRow& awake : awake_) awake.slot = slot_of_[moved_[awake.slot]];
+  joinWoken();
+  grid_.read(bodies_);
+  pairs_.build(grid_, bodies_, pairs_, before_, joining_pairs_);
+  search_due_ = false;
+  walls_due_ = true;
+  searched_ = true;
+  ++stats_.rebuilds;
+}
+
+// Gives the contacts that woken grains brought along the slots of now.
+void GrainSolver::joinWoken() {
+  joining_pairs_.clear();
+  joining_walls_.clear();
+  const auto slotOf = [&](Entity entity) {
+    const uint32_t place = placeOf(entity);
+    return place == kNoSlot || (place & kBerthBit) == 0 ? place
+                                                        : sleepers_[place & ~kBerthBit].slot;
+  };
+  for (const WokenPair& pair : woken_pairs_) {
+    const uint32_t a = slotOf(pair.a), b = slotOf(pair.b);
+    if (a != kNoSlot && b != kNoSlot) joining_pairs_.push_back({a, b, pair.impulse, pair.rolling});
+  }
+  for (const WokenWall& wall : woken_walls_) {
+    const uint32_t slot = slotOf(wall.grain);
+    if (slot != kNoSlot)
+      joining_walls_.push_back({slot, wall.key, wall.impulse, wall.rolling, wall.normal});
+  }
+  std::sort(joining_walls_.begin(), joining_walls_.end(),
+            [](const JoiningWall& a, const JoiningWall& b) {
+              return a.grain != b.grain ? a.grain < b.grain : a.key < b.key;
+            });
+  woken_pairs_.clear();
+  woken_walls_.clear();
+}
+
+// Lists the grains near colliders; impulses are kept across this and across searches.
+void GrainSolver::listColliders(std::span<const Collider> colliders, float dt) {
+  // Grains move by their margin and by the drift until the lists are made again, next tick.
+  const float extra = std::sqrt(glm::dot(drift_, drift_)) * dt;
+  walls_.build(grid_, bodies_, colliders, extra, searched_, before_, joining_walls_);
+  searched_ = false;
+  walls_due_ = false;
+}
+
+}  // namespace scree::grains
