@@ -4,12 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "engine/platform/context_makers.h"
+#include "engine/platform/gamepads.h"
 #include "engine/platform/input.h"
 
 namespace scree {
@@ -123,9 +122,9 @@ class WindowContext final : public Context {
   }
   void poll(RawInput& input) override {
     glfwPollEvents();
-    pollGamepads();
     input.events.insert(input.events.end(), pending_.begin(), pending_.end());
     pending_.clear();
+    gamepads_.poll(glfwGetGamepadState, input.events);
   }
   void describe(const DriverInfo& info) {
     description_ = fmt::format("window: {}, {}", info.renderer, info.version);
@@ -150,39 +149,10 @@ class WindowContext final : public Context {
     cursor_y_ = y;
   }
 
-  // All gamepads act as one: of each control, the largest deflection counts.
-  void pollGamepads() {
-    std::array<float, static_cast<size_t>(Source::Count)> now{};
-    for (int id = GLFW_JOYSTICK_1; id <= GLFW_JOYSTICK_LAST; ++id) {
-      GLFWgamepadstate state;
-      if (!glfwJoystickIsGamepad(id) || !glfwGetGamepadState(id, &state)) continue;
-      for (const CodedSource& coded : kCoded) {
-        float value = 0;
-        if (coded.group == SourceGroup::PadButton) {
-          value = state.buttons[coded.code] == GLFW_PRESS ? 1.0f : 0.0f;
-        } else if (coded.group == SourceGroup::PadAxis) {
-          value = state.axes[coded.code];
-          // GLFW's triggers rest at -1.
-          if (coded.code == GLFW_GAMEPAD_AXIS_LEFT_TRIGGER ||
-              coded.code == GLFW_GAMEPAD_AXIS_RIGHT_TRIGGER)
-            value = (value + 1) / 2;
-        }
-        float& largest = now[static_cast<size_t>(coded.source)];
-        if (std::abs(value) > std::abs(largest)) largest = value;
-      }
-    }
-    for (const CodedSource& coded : kCoded) {
-      if (coded.group != SourceGroup::PadButton && coded.group != SourceGroup::PadAxis) continue;
-      const size_t i = static_cast<size_t>(coded.source);
-      if (now[i] != pad_[i]) note(coded.source, now[i]);
-    }
-    pad_ = now;
-  }
-
   Library library_;
   GLFWwindow* window_;
   std::vector<RawEvent> pending_;
-  std::array<float, static_cast<size_t>(Source::Count)> pad_{};
+  Gamepads gamepads_;
   bool cursor_known_ = false;
   double cursor_x_ = 0, cursor_y_ = 0;
 };
