@@ -13,9 +13,8 @@
 namespace scree::hourglass {
 namespace fs = std::filesystem;
 
-ProgramRun runProgram(const std::string& program, const std::vector<std::string>& arguments,
-                      int timeout_s) {
-  const std::string path = (fs::path(SCREE_BINARY_DIR) / "bin" / program).string();
+ProgramRun runCommand(const std::string& path, const std::vector<std::string>& arguments,
+                      const std::vector<std::string>& environment, int timeout_s) {
   std::array<std::array<int, 2>, 2> pipes;
   for (auto& pipe : pipes)
     if (::pipe(pipe.data()) != 0) return {};
@@ -29,6 +28,7 @@ ProgramRun runProgram(const std::string& program, const std::vector<std::string>
       for (int end : pipe) close(end);
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
+    for (const std::string& variable : environment) putenv(const_cast<char*>(variable.c_str()));
     std::vector<char*> argv{const_cast<char*>(path.c_str())};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
@@ -62,6 +62,12 @@ ProgramRun runProgram(const std::string& program, const std::vector<std::string>
   waitpid(child, &status, 0);
   run.status = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   return run;
+}
+
+ProgramRun runProgram(const std::string& program, const std::vector<std::string>& arguments,
+                      int timeout_s, const std::vector<std::string>& environment) {
+  return runCommand((fs::path(SCREE_BINARY_DIR) / "bin" / program).string(), arguments, environment,
+                    timeout_s);
 }
 
 fs::path scratchFolder(const std::string& name) {
