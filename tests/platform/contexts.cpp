@@ -15,11 +15,6 @@
 #include "engine/platform/context.h"
 #include "engine/platform/input.h"
 
-#ifdef __SANITIZE_ADDRESS__
-// OSMesa keeps its buffers until the process ends, behind a pointer that it drops.
-extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa\n"; }
-#endif
-
 namespace scree {
 namespace {
 
