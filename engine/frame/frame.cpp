@@ -133,7 +133,7 @@ void resolveUse(FramePass& pass, PassRules& rules, const Use& use, const FrameRe
   } else if (isAttachment(use.access) && use.access != Access::Clear) {
     refuse("an external resource is no attachment");
   }
-  pass.uses.push_back({number, use.access});
+  pass.uses.push_back({.resource = number, .access = use.access});
   if (isWrite(use.access)) rules.written.push_back(number);
   if (isWrite(use.access) && use.access != Access::Clear) rules.content_written.push_back(number);
   if (isRead(use.access)) rules.read.push_back(number);

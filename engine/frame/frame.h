@@ -41,7 +41,8 @@ std::string_view stageName(Stage stage);
 
 enum class Access : uint8_t {
   Clear,         // initialises a target, attached like Color or Depth; it still counts as empty
-  Color,         // color attachment, in the order of declaration
+  Color,         // color attachment, in the order of declaration; not attached (nor created) in
+                 // frames in which nobody reads it, as long as the pass has another attachment
   Depth,         // depth attachment, tested and written
   DepthTest,     // depth attachment, tested only
   Sampled,       // read through a sampler
@@ -166,8 +167,8 @@ class Frame {
   void bindSampled(std::string_view name, unsigned unit) const;
   // True in a frame in which a pass that is on wrote the resource.
   bool hasContent(std::string_view name) const;
-  // True in a frame in which a pass that is on reads the resource, or it is kept: a pass may leave
-  // out what nobody reads.
+  // True in a frame in which a pass that is on reads the resource, or it is kept. A color target
+  // that is not read is not attached: a pass need not compute what it would hold.
   bool isRead(std::string_view name) const;
 
   // One entry a pass, in frame order, of the last run() or decide().

@@ -80,16 +80,27 @@ void Frame::State::resize(ivec2 output) {
     if (resource.target && resource.desc.fixed_size.x == 0) resource.texture = gpu::Texture();
 }
 
-// Creates what the pass attaches or writes, and its framebuffer if an attachment is a new one.
+// Creates what the pass attaches or writes, and its framebuffer if its attachments are new ones.
 void Frame::State::prepareTargets(FramePass& pass) {
+  const auto drawn = [&](const FrameUse& use) {
+    const FrameResource& resource = resources[use.resource];
+    return isAttachment(use.access) && resource.target && (resource.depth || activity.isRead(use.resource));
+  };
+  // What nobody reads is not attached, unless nothing else is: a framebuffer needs something.
+  const bool all = std::none_of(pass.uses.begin(), pass.uses.end(), drawn);
   uint64_t created = 0;
-  for (const FrameUse& use : pass.uses) {
+  bool same = static_cast<bool>(pass.framebuffer);
+  for (FrameUse& use : pass.uses) {
     FrameResource& resource = resources[use.resource];
-    if (!resource.target || !(isAttachment(use.access) || isWrite(use.access))) continue;
-    if (!resource.texture) create(resource);
-    if (isAttachment(use.access)) created += resource.created;
+    if (!resource.target) continue;
+    const bool attached = isAttachment(use.access) && (all || drawn(use));
+    same &= attached == use.attached;
+    use.attached = attached;
+    const bool written = isWrite(use.access) && !isAttachment(use.access);
+    if (!resource.texture && (attached || written)) create(resource);
+    if (attached) created += resource.created;
   }
-  if (!pass.attached || (pass.framebuffer && pass.targets_created == created)) return;
+  if (!pass.attached || (same && pass.targets_created == created)) return;
   pass.framebuffer = gpu::Framebuffer(pass.desc.name);
   pass.targets_created = created;
   for (const FrameUse& use : pass.uses) {
@@ -97,8 +108,10 @@ void Frame::State::prepareTargets(FramePass& pass) {
     if (!resource.target || !isAttachment(use.access)) continue;
     if (resource.depth)
       pass.framebuffer.attachDepth(resource.texture);
-    else
+    else if (use.attached)
       pass.framebuffer.attachColor(resource.texture);
+    else
+      pass.framebuffer.skipColor();
   }
   if (Status done = pass.framebuffer.finish(); !done.ok())
     fail(fmt::format("frame: pass '{}': {}", pass.desc.name, done.error()));
@@ -140,13 +153,13 @@ void Frame::State::clearTargets(const FramePass& pass) {
         pass.framebuffer.clearDepth(value.x);
         continue;
       case gpu::Component::Float:
-        pass.framebuffer.clearColor(index, value);
+        if (use.attached) pass.framebuffer.clearColor(index, value);
         break;
       case gpu::Component::Uint:
-        pass.framebuffer.clearColor(index, uvec4(value));
+        if (use.attached) pass.framebuffer.clearColor(index, uvec4(value));
         break;
       case gpu::Component::Int:
-        resource.texture.clear(value);
+        if (use.attached) resource.texture.clear(value);
         break;
     }
     ++index;

@@ -28,6 +28,7 @@ struct FrameResource {
 struct FrameUse {
   uint16_t resource = 0;
   Access access = Access::Sampled;
+  bool attached = false;  // in the pass's framebuffer, as of its last run
 };
 
 struct FramePass {

@@ -73,11 +73,18 @@ Framebuffer::~Framebuffer() {
   glDeleteFramebuffers(1, &id_);
 }
 
-void Framebuffer::attachColor(const Texture& texture, int level, int layer) {
+int Framebuffer::nextColor() {
   if (color_count_ >= kMaxColors)
     fail(fmt::format("framebuffer: more than {} color attachments", kMaxColors));
-  attach(id_, GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(color_count_), texture, level, layer);
-  ++color_count_;
+  return color_count_++;
+}
+
+void Framebuffer::attachColor(const Texture& texture, int level, int layer) {
+  attach(id_, GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(nextColor()), texture, level, layer);
+}
+
+void Framebuffer::skipColor() {
+  skipped_ |= 1u << nextColor();
 }
 
 void Framebuffer::attachDepth(const Texture& texture, int level, int layer) {
@@ -86,12 +93,13 @@ void Framebuffer::attachDepth(const Texture& texture, int level, int layer) {
 
 Status Framebuffer::finish() {
   GLenum buffers[kMaxColors] = {};
-  for (int i = 0; i < color_count_; ++i) buffers[i] = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i);
+  for (int i = 0; i < color_count_; ++i)
+    buffers[i] = skipped_ >> i & 1 ? GL_NONE : GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(i);
   if (color_count_ > 0)
     glNamedFramebufferDrawBuffers(id_, color_count_, buffers);
   else
     glNamedFramebufferDrawBuffer(id_, GL_NONE);
-  glNamedFramebufferReadBuffer(id_, color_count_ > 0 ? GL_COLOR_ATTACHMENT0 : GL_NONE);
+  glNamedFramebufferReadBuffer(id_, color_count_ > 0 ? buffers[0] : GL_NONE);
   const GLenum status = glCheckNamedFramebufferStatus(id_, GL_DRAW_FRAMEBUFFER);
   if (status == GL_FRAMEBUFFER_COMPLETE) return Done{};
   return Error{fmt::format("framebuffer: {} (0x{:04x})", statusName(status), status)};

@@ -178,6 +178,8 @@ class Framebuffer {
 
   // The next color attachment: 0, 1, ... `layer` < 0: all layers (layered rendering).
   void attachColor(const Texture& texture, int level = 0, int layer = -1);
+  // Leaves the next color attachment out: what is drawn to it goes nowhere.
+  void skipColor();
   void attachDepth(const Texture& texture, int level = 0, int layer = -1);
   // To be called after the last attachment: sets the draw buffers; an error names what is wrong.
   Status finish();
@@ -191,12 +193,15 @@ class Framebuffer {
   void clearDepth(float value = 0.0f) const;
 
  private:
+  int nextColor();  // ends the program if there are too many
   void swap(Framebuffer& other) noexcept {
     std::swap(id_, other.id_);
     std::swap(color_count_, other.color_count_);
+    std::swap(skipped_, other.skipped_);
   }
   unsigned id_ = 0;
-  int color_count_ = 0;
+  int color_count_ = 0;      // skipped ones included
+  unsigned skipped_ = 0;     // one bit a color attachment
 };
 // The window's framebuffer.
 void bindWindow();

@@ -30,7 +30,8 @@ struct DrawState;
 inline constexpr std::string_view kGbufferAlbedo = "gbuffer.albedo";
 inline constexpr std::string_view kGbufferNormal = "gbuffer.normal";
 inline constexpr std::string_view kGbufferEmissive = "gbuffer.emissive";
-// Zero unless a pass that is on reads it, or Frame::keep() asks for it.
+// Motion and id are drawn only in frames in which a pass that is on reads them, or Frame::keep() asks
+// for them.
 inline constexpr std::string_view kGbufferMotion = "gbuffer.motion";
 inline constexpr std::string_view kGbufferId = "gbuffer.id";
 inline constexpr std::string_view kGbufferDepth = "gbuffer.depth";

@@ -5,12 +5,12 @@
 //   gbuffer.normal    RGBA8           world normal, octahedral 12 + 12 bits | perceptual roughness
 //   gbuffer.emissive  R11F_G11F_B10F  emitted radiance
 //   gbuffer.motion    RG16F           where the point is on the screen now, minus where it was one
-//                                     frame ago, pixels, +x right, +y up, without jitter; zero in
-//                                     frames in which nobody reads it
+//                                     frame ago, pixels, +x right, +y up, without jitter
 //   gbuffer.id        R32UI           entity index + 1; 0 = nothing was drawn
 //   gbuffer.depth     DEPTH32F        reversed: near / distance along the view axis; 0 = nothing
 //
-// 24 bytes a pixel. Where depth is 0, only depth and id are defined.
+// 24 bytes a pixel, of which motion and id exist only where somebody reads them. Where depth is 0,
+// only depth and id are defined.
 #pragma once
 #include "shared/prelude.h"
 RULES_BEGIN

@@ -160,6 +160,7 @@ struct Picture {
     addScene(app);
     addDeferred(app);
     addGrains(app);
+    app.frame().keep(kGbufferId, true);  // errorsOf reads it
     const Transform at{eye.position, quat(glm::quat_cast(eye.world_from_view)), vec3(1)};
     app.world().singleton<ActiveCamera>().entity =
         app.world().spawn(at, previousOf(at), Camera{.fov_y_rad = kFovY});

@@ -11,6 +11,7 @@ class DeferredPasses : public GlTest {};
 
 TEST_F(DeferredPasses, EmptySceneClearsShowsTheSkyAndPresents) {
   Studio studio;
+  studio.app.frame().keep(kGbufferId, false);
   studio.look({0, 1, 5}, {0, 1, 0});
   const gpu::Counters before = gpu::counters();
   studio.render();
@@ -19,11 +20,11 @@ TEST_F(DeferredPasses, EmptySceneClearsShowsTheSkyAndPresents) {
   EXPECT_EQ(first.programs, 2u);  // sky and present
   EXPECT_EQ(first.draws, 2u);
   EXPECT_EQ(first.dispatches, 0u);
-  EXPECT_EQ(first.textures, 4u);  // depth, id, radiance, output
-  EXPECT_EQ(first.texture_bytes, (4u + 4 + 8 + 4) * 160 * 120);
+  EXPECT_EQ(first.textures, 3u);  // depth, radiance, output
+  EXPECT_EQ(first.texture_bytes, (4u + 8 + 4) * 160 * 120);
   EXPECT_EQ(first.buffers, 2u);  // view, blocks of the frame
   for (const std::string_view target : {kGbufferAlbedo, kGbufferNormal, kGbufferEmissive, kGbufferMotion,
-                                        kShadowMap, kTruth})
+                                        kGbufferId, kShadowMap, kTruth})
     EXPECT_FALSE(studio.app.frame().hasTexture(target)) << target;
 
   const gpu::Counters warm = gpu::counters();

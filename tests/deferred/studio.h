@@ -100,7 +100,8 @@ struct Studio {
   explicit Studio(ivec2 output = {160, 120}) : size(output) {
     addScene(app);
     addDeferred(app);
-    app.frame().keep(kGbufferMotion, true);  // the tests read it
+    for (const std::string_view read_by_tests : {kGbufferMotion, kGbufferId})
+      app.frame().keep(read_by_tests, true);
   }
   uint32_t mesh(const MeshData& data) { return world.singleton<MeshStore>().add(data); }
   uint32_t material(const MaterialData& data) { return world.singleton<MaterialStore>().add(data); }

@@ -92,6 +92,54 @@ TEST_F(FrameTest, AnUnusedPassCostsNothing) {
   EXPECT_EQ(frame.runCount("off"), 0u);
 }
 
+TEST_F(FrameTest, ColorTargetsThatNobodyReadsAreNotAttached) {
+  Frame frame;
+  folder_.write("two.frag", R"(
+    layout(location = 0) out float a;
+    layout(location = 1) out float b;
+    void main() { a = 1.0; b = 2.0; })");
+  gpu::Program two(
+      {.name = "two", .vertex = "full.vert", .fragment = "two.frag", .root = folder_.path()});
+  for (const char* name : {"a", "b"})
+    frame.addTarget(name, {.format = GL_R32F, .clear_value = vec4(7)});
+  frame.addPass({.name = "clear",
+                 .stage = Stage::Geometry,
+                 .uses = {{"a", Access::Clear}, {"b", Access::Clear}}});
+  std::vector<bool> fresh;
+  bool draws = true;
+  frame.addPass({.name = "draw",
+                 .stage = Stage::Shade,
+                 .uses = {{"a", Access::Color}, {"b", Access::Color}},
+                 .run = [&](PassContext& c) {
+                   EXPECT_EQ(c.framebuffer->colorCount(), 2);
+                   fresh.push_back(c.first_run_after_off);
+                   two.use();
+                   if (draws) gpu::drawFullScreen();
+                 }});
+  const auto floats = [&](const char* name) { return gpu::readFloats(frame.texture(name), 1).front(); };
+  frame.keep("b", true);
+  run(frame);
+  EXPECT_FALSE(frame.hasTexture("a"));
+  EXPECT_EQ(floats("b"), 2);  // still the second output
+
+  // Read by somebody: it is there from that frame on, and the pass's history counts as lost.
+  frame.keep("a", true);
+  run(frame);
+  EXPECT_EQ(floats("a"), 1);
+  EXPECT_EQ(floats("b"), 2);
+
+  // Neither drawn to nor cleared again once nobody reads it.
+  frame.keep("b", false);
+  draws = false;
+  run(frame);
+  EXPECT_EQ(floats("a"), 7);
+  EXPECT_EQ(floats("b"), 2);
+  const gpu::Counters before = gpu::counters();
+  run(frame);
+  EXPECT_EQ((gpu::counters() - before).framebuffers, 0u);
+  EXPECT_EQ(fresh, (std::vector<bool>{true, true, false, false}));
+}
+
 TEST_F(FrameTest, PassesDrawIntoTheirTargets) {
   Frame frame;
   gpu::Program grey = one("0.5"), copies = copy();
