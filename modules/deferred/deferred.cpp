@@ -37,9 +37,9 @@ gpu::DrawState shadowDrawState() {
   return {.depth_clamp = true, .cull = gpu::Cull::None, .color_write = false};
 }
 
-gpu::Program fullScreenProgram(std::string name, std::vector<std::string> defines) {
+gpu::Program fullScreenProgram(std::string name, std::vector<std::string> defines, std::string vertex) {
   gpu::ProgramDesc desc;
-  desc.vertex = "lib/full_screen.vert";
+  desc.vertex = std::move(vertex);
   desc.fragment = "deferred/" + name.substr(name.find('.') + 1) + ".frag";
   desc.name = std::move(name);
   desc.defines = std::move(defines);

@@ -8,13 +8,16 @@
 namespace scree {
 namespace {
 
+gpu::Program lightProgram(std::vector<std::string> defines) {
+  return fullScreenProgram("deferred.light", std::move(defines), "deferred/light.vert");
+}
+
 struct LightPass {
   // One program a situation, so that a scene does not pay for a sun or shadows that it lacks.
-  gpu::Program sky_only = fullScreenProgram("deferred.light");
-  gpu::Program sun = fullScreenProgram("deferred.light", {"SUN"});
-  gpu::Program sun_and_shadows = fullScreenProgram("deferred.light", {"SUN", "SHADOWS"});
-  gpu::Program sun_and_hard_shadows =
-      fullScreenProgram("deferred.light", {"SUN", "SHADOWS", "SHADOW_SINGLE_FETCH"});
+  gpu::Program sky_only = lightProgram({});
+  gpu::Program sun = lightProgram({"SUN"});
+  gpu::Program sun_and_shadows = lightProgram({"SUN", "SHADOWS"});
+  gpu::Program sun_and_hard_shadows = lightProgram({"SUN", "SHADOWS", "SHADOW_SINGLE_FETCH"});
   gpu::Texture lobe_table;
 
   void draw(DeferredState& state, PassContext& context);

@@ -39,7 +39,8 @@ PassDesc skyPass(const SharedState& state);
 PassDesc accumulatePass(const SharedState& state);
 PassDesc presentPass(const SharedState& state);
 
-// A program over shaders/lib/full_screen.vert.
-gpu::Program fullScreenProgram(std::string name, std::vector<std::string> defines = {});
+// A program whose vertex shader covers the screen: lib/full_screen.vert, or one that does more.
+gpu::Program fullScreenProgram(std::string name, std::vector<std::string> defines = {},
+                               std::string vertex = "lib/full_screen.vert");
 
 }  // namespace scree

@@ -9,6 +9,27 @@
 layout(binding = kLobeTableUnit) uniform sampler2D lobe_table;
 
 in vec3 ray;
+flat in LightingBlock lit;
+flat in float near_m;
+#ifdef SHADOWS
+flat in vec4 shadow_rows[3];
+flat in vec4 shadow_axes[3];
+flat in vec3 shadow_size;
+
+// What sunVisibility needs of it.
+ShadowViewBlock shadowView() {
+  ShadowViewBlock shadow;
+  shadow.shadow_from_relative =
+      transpose(mat4(shadow_rows[0], shadow_rows[1], shadow_rows[2], vec4(0.0, 0.0, 0.0, 1.0)));
+  shadow.axis_x = shadow_axes[0];
+  shadow.axis_y = shadow_axes[1];
+  shadow.to_sun = shadow_axes[2];
+  shadow.size_px = shadow_size.xy;
+  shadow.texel_m = shadow_size.z;
+  return shadow;
+}
+#endif
+
 layout(location = 0) out vec4 radiance;
 
 void main() {
@@ -22,13 +43,13 @@ void main() {
   vec4 t = textureLod(lobe_table, lobeTableUv(n_v, roughness), 0.0);
   LobeTerms lobe = LobeTerms(t.x, t.y, t.z, t.w);
   Reflectance r = reflectance(s.albedo, s.metallic, lobe.a, lobe.b);
-  vec3 sum = s.emissive + reflectSky(lighting.sky, r, lobe, n, v, n_v, roughness);
+  vec3 sum = s.emissive + reflectSky(lit.sky, r, lobe, n, v, n_v, roughness);
 #ifdef SUN
-  vec3 beam = reflectBeam(r, n, v, lighting.to_sun.xyz, n_v, alphaFromRoughness(roughness)) *
-              lighting.sun_irradiance.rgb;
+  vec3 beam = reflectBeam(r, n, v, lit.to_sun.xyz, n_v, alphaFromRoughness(roughness)) *
+              lit.sun_irradiance.rgb;
 #ifdef SHADOWS
-  vec3 position = ray * distanceFromDepth(view.near_m, gbufferDepth(pixel));
-  beam *= sunVisibility(position, n);
+  vec3 position = ray * distanceFromDepth(near_m, gbufferDepth(pixel));
+  beam *= sunVisibility(shadowView(), position, n);
 #endif
   sum += beam;
 #endif

@@ -1,4 +1,4 @@
-// The tiles that grains may cover, at depth 0. `ray` as in lib/full_screen.vert.
+// The tiles that grains may cover, at depth 0. `ray` as in lib/full_screen.glsl.
 #include "shared/bindings.h"
 #include "shared/cover.h"
 #include "shared/view.h"

@@ -5,10 +5,10 @@
 layout(binding = kShadowMapUnit) uniform sampler2DShadow shadow_map;
 
 // 0 (none) to 1 (all) at a point with unit normal n; relative space.
-float sunVisibility(vec3 relative, vec3 n) {
-  vec3 moved = relative + n * shadowNormalOffset(n, shadow_view);
-  vec3 p = vec3(shadow_view.shadow_from_relative * vec4(moved, 1.0));
-  bool outside = any(greaterThan(abs(p.xy - 0.5 * shadow_view.size_px), 0.5 * shadow_view.size_px));
+float sunVisibility(ShadowViewBlock shadow, vec3 relative, vec3 n) {
+  vec3 moved = relative + n * shadowNormalOffset(n, shadow);
+  vec3 p = vec3(shadow.shadow_from_relative * vec4(moved, 1.0));
+  bool outside = any(greaterThan(abs(p.xy - 0.5 * shadow.size_px), 0.5 * shadow.size_px));
   // For a fixed-point map GL clamps the reference to [0, 1]: beyond the farthest caster it is 0, and
   // the stored depth is never below.
   float depth = outside ? 1.0 : p.z;

@@ -3,11 +3,11 @@
 # In what only the GPU compiles: no rebuild.
 SHADER = [
     # Camera, rays, screen
-    ("shaders/lib/full_screen.vert", "rayFromNdc(view.relative_from_clip, ndc)",
+    ("shaders/lib/full_screen.glsl", "rayFromNdc(view.relative_from_clip, ndc)",
      "rayFromNdc(view.relative_from_clip, ndc.yx)", "swapped axes of the view ray"),
-    ("shaders/lib/full_screen.vert", "rayFromNdc(view.relative_from_clip, ndc)",
+    ("shaders/lib/full_screen.glsl", "rayFromNdc(view.relative_from_clip, ndc)",
      "rayFromNdc(view.relative_from_clip, vec2(ndc.x, -ndc.y))", "view ray upside down"),
-    ("shaders/lib/full_screen.vert", "vec4(ndc, 0.0, 1.0)", "vec4(ndc, 0.5, 1.0)", "full-screen triangle in front"),
+    ("shaders/lib/full_screen.glsl", "vec4(ndc, 0.0, 1.0)", "vec4(ndc, 0.5, 1.0)", "full-screen triangle in front"),
     # G-buffer
     ("shaders/lib/gbuffer.glsl", "octPack24(octEncode(s.normal_ws))", "octPack24(octEncode(-s.normal_ws))",
      "negated normal written"),
@@ -36,7 +36,7 @@ SHADER = [
     # Shading
     ("shaders/deferred/light.frag", "vec3 v = -normalize(ray);", "vec3 v = normalize(ray);", "view vector reversed"),
     ("shaders/deferred/light.frag", "vec3 v = -normalize(ray);", "vec3 v = -ray;", "view vector not normalised"),
-    ("shaders/deferred/light.frag", "lighting.to_sun.xyz, n_v,", "-lighting.to_sun.xyz, n_v,", "sun flipped"),
+    ("shaders/deferred/light.frag", "lit.to_sun.xyz, n_v,", "-lit.to_sun.xyz, n_v,", "sun flipped"),
     ("shaders/deferred/light.frag", "alphaFromRoughness(roughness)", "roughness", "roughness not squared"),
     ("shaders/deferred/light.frag", "s.emissive + reflectSky", "reflectSky", "emission forgotten"),
     ("shaders/deferred/light.frag", "sum += beam;", "sum = beam;", "sky light overwritten"),
@@ -44,7 +44,8 @@ SHADER = [
      "swapped axes of the table"),
     ("shaders/deferred/light.frag", "LobeTerms(t.x, t.y, t.z, t.w)", "LobeTerms(t.y, t.x, t.z, t.w)",
      "swapped terms of the table"),
-    ("shaders/deferred/light.frag", "sunVisibility(position, n)", "sunVisibility(position, v)",
+    ("shaders/deferred/light.frag", "sunVisibility(shadowView(), position, n)",
+     "sunVisibility(shadowView(), position, v)",
      "shadow offset along the wrong vector"),
     ("shaders/deferred/sky.frag", "normalize(ray).y", "normalize(ray).x", "sky turned on its side"),
     ("shaders/deferred/sky.frag", "normalize(ray).y", "ray.y", "sky ray not normalised"),
