@@ -14,7 +14,6 @@ DeferredState::DeferredState(World& world_in)
 std::vector<Use> gbufferUses(std::vector<Use> extra) {
   std::vector<Use> uses = {{std::string(kGbufferAlbedo), Access::Color},
                            {std::string(kGbufferNormal), Access::Color},
-                           {std::string(kGbufferEmissive), Access::Color},
                            {std::string(kGbufferMotion), Access::Color},
                            {std::string(kGbufferId), Access::Color},
                            {std::string(kGbufferDepth), Access::Depth}};
@@ -73,10 +72,13 @@ void addDeferred(App& app) {
 
   app.addPass({.name = "deferred.clear",
                .stage = Stage::Geometry,
-               .uses = {{std::string(kGbufferId), Access::Clear}, {std::string(kGbufferDepth), Access::Clear}}});
+               .uses = {{std::string(kGbufferEmissive), Access::Clear},
+                        {std::string(kGbufferId), Access::Clear},
+                        {std::string(kGbufferDepth), Access::Clear}}});
   // Before the opaque pass: copying the kept shadows waits for the draws before it where a CPU draws.
   app.addPass(shadowPass(state));
   app.addPass(opaquePass(state));
+  app.addPass(emissivePass(state));
   app.addPass(lightPass(state));
   app.addPass(skyPass(state));
   app.addPass(accumulatePass(state));

@@ -29,6 +29,7 @@ struct DrawState;
 
 inline constexpr std::string_view kGbufferAlbedo = "gbuffer.albedo";
 inline constexpr std::string_view kGbufferNormal = "gbuffer.normal";
+// Zero but where what emits is drawn, in Stage::GeometryLate, after everything that does not.
 inline constexpr std::string_view kGbufferEmissive = "gbuffer.emissive";
 // Motion and id are drawn only in frames in which a pass that is on reads them, or Frame::keep() asks
 // for them.
@@ -43,7 +44,7 @@ inline constexpr std::string_view kRadiance = "deferred.radiance";
 inline constexpr std::string_view kTruth = "deferred.truth";
 
 // The uses of a pass that draws surfaces into the G-buffer with lib/gbuffer.glsl, in the order of
-// the fragment shader's outputs. `extra` is appended.
+// the fragment shader's outputs. `extra` is appended: first kGbufferEmissive, if the pass writes it.
 std::vector<Use> gbufferUses(std::vector<Use> extra = {});
 
 // ---- Shadows: how a representation casts them --------------------------------------------------

@@ -10,6 +10,7 @@ void run(DeferredState& state) {
   MeshBatches& batches = state.batches;
   batches.update(world, world.singleton<const FrameInput>(), world.singleton<const View>(),
                  world.singleton<const Sun>().present, world.singleton<ShadowCasters>());
+  state.plain_in_view = state.emission_in_view = false;
   if (batches.opaqueCount() + batches.castingCount(true) + batches.castingCount(false) == 0) return;
   state.materials.update(world.singleton<const MaterialStore>());
   state.instances.beginFrame();
@@ -18,6 +19,11 @@ void run(DeferredState& state) {
       state.instances.allocate(batches.opaqueCount() * sizeof(rules::MeshInstanceRecord));
   batches.writeOpaque({static_cast<rules::MeshInstanceRecord*>(state.opaque_records.data),
                        batches.opaqueCount()});
+  const MeshStore& meshes = world.singleton<const MeshStore>();
+  for (const MeshBatch& batch : batches.opaque())
+    for (const MeshPart& part : meshes.mesh(batch.mesh).parts)
+      (state.materials.features(materialOf(batch, part)) & kFeatureEmission ? state.emission_in_view
+                                                                            : state.plain_in_view) = true;
 }
 
 }  // namespace

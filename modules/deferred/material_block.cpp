@@ -20,13 +20,14 @@ float checked(float value, float low, float high, std::string_view where, const 
   return used;
 }
 
-uint32_t featuresOf(const MaterialData& m) {
+uint32_t featuresOf(const MaterialData& m, const rules::MaterialConstants& constants) {
+  const bool emits = vec3(constants.emissive) != vec3(0);
   return (m.base_color_map.image >= 0 ? kFeatureBaseColorMap : 0u) |
          (m.metallic_roughness_map.image >= 0 ? kFeatureMetallicRoughnessMap : 0u) |
          (m.normal_map.image >= 0 ? kFeatureNormalMap : 0u) |
-         (m.emissive_map.image >= 0 ? kFeatureEmissiveMap : 0u) |
+         (emits && m.emissive_map.image >= 0 ? kFeatureEmissiveMap : 0u) |
          (m.alpha_mode == AlphaMode::Mask ? kFeatureAlphaMask : 0u) |
-         (m.double_sided ? kFeatureDoubleSided : 0u);
+         (m.double_sided ? kFeatureDoubleSided : 0u) | (emits ? kFeatureEmission : 0u);
 }
 
 }  // namespace
@@ -50,7 +51,7 @@ void MaterialBlock::update(const MaterialStore& store) {
     const MaterialData& material = store.material(static_cast<uint32_t>(i));
     const std::string where = fmt::format("deferred: material {} \"{}\"", i, material.name);
     constants_.push_back(checkedConstants(material, where));
-    features_.push_back(featuresOf(material));
+    features_.push_back(featuresOf(material, constants_.back()));
     if (material.alpha_mode == AlphaMode::Blend)
       logWarning("{}: alpha mode BLEND is drawn as OPAQUE", where);
   }

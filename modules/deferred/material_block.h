@@ -10,7 +10,7 @@
 
 namespace scree {
 
-// Bits that select the program of deferred.opaque.
+// Bits that select the program of deferred.opaque or deferred.emissive.
 enum MaterialFeature : uint32_t {
   kFeatureBaseColorMap = 1,
   kFeatureMetallicRoughnessMap = 2,
@@ -18,9 +18,10 @@ enum MaterialFeature : uint32_t {
   kFeatureEmissiveMap = 8,
   kFeatureAlphaMask = 16,
   kFeatureDoubleSided = 32,
+  kFeatureEmission = 64,
 };
 inline constexpr uint32_t kFeatureMaps = 15;
-inline constexpr uint32_t kFeatureSets = 64;
+inline constexpr uint32_t kFeatureSets = 128;
 
 // The constants of a material, with values that the shading does not allow (not finite, out of
 // range) replaced by the nearest that it does; `where` names the material in the warning.

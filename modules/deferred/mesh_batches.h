@@ -23,6 +23,10 @@ struct MeshBatch {
   uint32_t slot = 0;    // internal: 2 * group + mirrored
 };
 
+inline uint32_t materialOf(const MeshBatch& batch, const MeshPart& part) {
+  return batch.material == MeshInstance::kOwnMaterials ? part.material : batch.material;
+}
+
 // Bounding sphere of a placed mesh.
 struct PlacedSphere {
   dvec3 center{0};  // world, m

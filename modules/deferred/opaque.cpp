@@ -1,4 +1,4 @@
-// deferred.opaque: draws mesh instances into the G-buffer.
+// deferred.opaque, deferred.emissive: draw mesh instances into the G-buffer.
 #include <array>
 
 #include "engine/gpu/draw.h"
@@ -11,7 +11,9 @@ namespace scree {
 namespace {
 
 gpu::Program opaqueProgram(uint32_t features, bool motion) {
-  gpu::ProgramDesc desc{.name = "deferred.opaque", .vertex = "deferred/opaque.vert", .fragment = "deferred/opaque.frag"};
+  gpu::ProgramDesc desc{.name = features & kFeatureEmission ? "deferred.emissive" : "deferred.opaque",
+                         .vertex = "deferred/opaque.vert",
+                         .fragment = "deferred/opaque.frag"};
   const auto define = [&](uint32_t bits, const char* name) {
     if (features & bits) desc.defines.push_back(name);
   };
@@ -20,6 +22,7 @@ gpu::Program opaqueProgram(uint32_t features, bool motion) {
   define(kFeatureMetallicRoughnessMap, "METALLIC_ROUGHNESS_MAP");
   define(kFeatureNormalMap, "NORMAL_MAP");
   define(kFeatureEmissiveMap, "EMISSIVE_MAP");
+  define(kFeatureEmission, "EMISSION");
   define(kFeatureAlphaMask, "ALPHA_MASK");
   define(kFeatureDoubleSided, "DOUBLE_SIDED");
   if (motion) desc.defines.push_back("MOTION");
@@ -37,18 +40,20 @@ struct OpaquePass {
     made[index] = true;
     return programs[index];
   }
-  void draw(DeferredState& state, bool motion);
+  // Of what is in view, the parts that emit, or those that do not.
+  void draw(DeferredState& state, bool emitting, bool motion);
 };
 
-void OpaquePass::draw(DeferredState& state, bool motion) {
+void OpaquePass::draw(DeferredState& state, bool emitting, bool motion) {
   MeshStore& meshes = state.world.singleton<MeshStore>();
   MaterialStore& materials = state.world.singleton<MaterialStore>();
   array.bind(meshes, state.opaque_records);
   gpu::DrawState draw_state;
   for (const MeshBatch& batch : state.batches.opaque()) {
     for (const MeshPart& part : meshes.mesh(batch.mesh).parts) {
-      const uint32_t material = batch.material == MeshInstance::kOwnMaterials ? part.material : batch.material;
+      const uint32_t material = materialOf(batch, part);
       const uint32_t features = state.materials.features(material);
+      if (emitting != ((features & kFeatureEmission) != 0)) continue;
       gpu::Program& drawn_with = program(features, motion);
       if (!drawn_with.use()) continue;
       draw_state.cull = features & kFeatureDoubleSided ? gpu::Cull::None
@@ -71,10 +76,22 @@ PassDesc opaquePass(const SharedState& state) {
   return {.name = "deferred.opaque",
           .stage = Stage::Geometry,
           .needs_text = "a mesh instance in view",
-          .needs = [state] { return state->batches.any() && state->batches.opaqueCount() > 0; },
+          .needs = [state] { return state->batches.any() && state->plain_in_view; },
           .uses = gbufferUses(),
           .run = [state, pass](PassContext& context) {
-            pass->draw(*state, context.frame.isRead(kGbufferMotion));
+            pass->draw(*state, false, context.frame.isRead(kGbufferMotion));
+          }};
+}
+
+PassDesc emissivePass(const SharedState& state) {
+  const auto pass = std::make_shared<OpaquePass>();
+  return {.name = "deferred.emissive",
+          .stage = Stage::GeometryLate,
+          .needs_text = "a mesh in view that emits light",
+          .needs = [state] { return state->batches.any() && state->emission_in_view; },
+          .uses = gbufferUses({{std::string(kGbufferEmissive), Access::Color}}),
+          .run = [state, pass](PassContext& context) {
+            pass->draw(*state, true, context.frame.isRead(kGbufferMotion));
           }};
 }
 

@@ -69,7 +69,7 @@ void ShadowPass::draw(DeferredState& state, const ShadowFit& fit, bool still) {
   gpu::apply(shadowDrawState());
   for (const MeshBatch& batch : batches.casting(still)) {
     for (const MeshPart& part : meshes.mesh(batch.mesh).parts) {
-      const uint32_t material = batch.material == MeshInstance::kOwnMaterials ? part.material : batch.material;
+      const uint32_t material = materialOf(batch, part);
       const bool has_holes = (state.materials.features(material) & kFeatureAlphaMask) != 0;
       gpu::Program& program = has_holes ? masked : solid;
       if (!program.use()) continue;

@@ -24,6 +24,7 @@ struct DeferredState {
   gpu::StreamBuffer blocks{"deferred.blocks", 4096};       // uniform blocks of the frame
   gpu::StreamBuffer instances{"deferred.instances", 256 * 1024};
   gpu::StreamSlice opaque_records;
+  bool plain_in_view = false, emission_in_view = false;  // meshes without emission, and with it
   rules::LightingBlock lighting{};
   std::vector<Entity> warned_lights;  // that were complained about; at most kMostLightWarnings
 };
@@ -33,6 +34,7 @@ using SharedState = std::shared_ptr<DeferredState>;
 SystemDesc lightSystem(const SharedState& state);   // light_block.cpp
 SystemDesc gatherSystem(const SharedState& state);  // gather.cpp
 PassDesc opaquePass(const SharedState& state);
+PassDesc emissivePass(const SharedState& state);    // opaque.cpp
 PassDesc shadowPass(const SharedState& state);
 PassDesc lightPass(const SharedState& state);
 PassDesc skyPass(const SharedState& state);

@@ -1,6 +1,6 @@
 // Metallic-roughness surfaces of glTF 2.0 into the G-buffer.
 // Defines: BASE_COLOR_MAP, METALLIC_ROUGHNESS_MAP, NORMAL_MAP, EMISSIVE_MAP (what the material has;
-// any of them: TEXTURED), ALPHA_MASK, DOUBLE_SIDED; MOTION: somebody reads it.
+// any of them: TEXTURED), EMISSION, ALPHA_MASK, DOUBLE_SIDED; MOTION: somebody reads it.
 #include "lib/gbuffer.glsl"
 #include "shared/mesh_instance.h"
 
@@ -48,9 +48,11 @@ void main() {
   s.roughness *= roughness_metallic.x;
   s.metallic *= roughness_metallic.y;
 #endif
+#ifdef EMISSION
   s.emissive = material.emissive.rgb;
 #ifdef EMISSIVE_MAP
   s.emissive *= texture(emissive_map, uv_out).rgb;
+#endif
 #endif
   vec3 n = normal_ws;
 #ifdef NORMAL_MAP

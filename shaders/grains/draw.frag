@@ -34,7 +34,6 @@ void main() {
   s.metallic = 0.0;
   s.normal_ws = hit.normal;
   s.roughness = unpackGrainRoughness(grain.color);
-  s.emissive = vec3(0.0);
   s.motion_px = motion_px;
   s.id = grain.id;
   writeGbuffer(s);

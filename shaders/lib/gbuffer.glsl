@@ -2,8 +2,9 @@
 // shared/gbuffer.h.
 //
 // A fragment shader that draws a surface includes this file and calls writeGbuffer() once; depth is
-// gl_FragCoord.z or, for analytic surfaces, gl_FragDepth. One that shades defines GBUFFER_READ
-// before the include and calls readGbuffer().
+// gl_FragCoord.z or, for analytic surfaces, gl_FragDepth. One that also writes emission, in the pass
+// for that, defines EMISSION before the include. One that shades defines GBUFFER_READ before the
+// include and calls readGbuffer().
 #include "shared/bindings.h"
 #include "shared/gbuffer.h"
 #include "shared/octahedral.h"
@@ -14,7 +15,7 @@ struct Surface {
   float metallic;    // [0, 1]
   vec3 normal_ws;    // towards the viewer's side of the surface; any length
   float roughness;   // perceptual, [0, 1]
-  vec3 emissive;     // radiance, >= 0
+  vec3 emissive;     // radiance, >= 0; written by EMISSION only
   vec2 motion_px;    // motionFromPrevious()
   uint id;           // entity index + 1
 };
@@ -57,9 +58,11 @@ Surface readGbuffer(ivec2 pixel) {
 #else
 layout(location = 0) out vec4 gbuffer_albedo;
 layout(location = 1) out vec4 gbuffer_normal;
-layout(location = 2) out vec3 gbuffer_emissive;
-layout(location = 3) out vec2 gbuffer_motion;
-layout(location = 4) out uint gbuffer_id;
+layout(location = 2) out vec2 gbuffer_motion;
+layout(location = 3) out uint gbuffer_id;
+#ifdef EMISSION
+layout(location = 4) out vec3 gbuffer_emissive;
+#endif
 
 // Motion of this fragment. `previous_clip`: clip-space x, y, w of the same surface point one frame
 // ago, by view.previous_clip_from_relative (interpolated; it need not be in front of the camera).
@@ -69,13 +72,15 @@ vec2 motionFromPrevious(vec3 previous_clip, float depth) {
                   view.size_px, view.near_m);
 }
 
-// Writes all color targets. Values out of range are clamped, so that no later pass meets a NaN.
+// Writes the color targets. Values out of range are clamped, so that no later pass meets a NaN.
 void writeGbuffer(Surface s) {
   gbuffer_albedo = vec4(albedoCode(s.albedo), clamp(s.metallic, 0.0, 1.0));
   gbuffer_normal = vec4(octPack24(octEncode(s.normal_ws)), clamp(s.roughness, 0.0, 1.0));
-  // min and max of a NaN are undefined, comparisons are not.
-  gbuffer_emissive = mix(vec3(0.0), min(s.emissive, vec3(kMaxEmissive)), greaterThan(s.emissive, vec3(0.0)));
   gbuffer_motion = s.motion_px;
   gbuffer_id = s.id;
+#ifdef EMISSION
+  // min and max of a NaN are undefined, comparisons are not.
+  gbuffer_emissive = mix(vec3(0.0), min(s.emissive, vec3(kMaxEmissive)), greaterThan(s.emissive, vec3(0.0)));
+#endif
 }
 #endif

@@ -10,7 +10,7 @@
 //   gbuffer.depth     DEPTH32F        reversed: near / distance along the view axis; 0 = nothing
 //
 // 24 bytes a pixel, of which motion and id exist only where somebody reads them. Where depth is 0,
-// only depth and id are defined.
+// only depth, id and emissive (0) are defined.
 #pragma once
 #include "shared/prelude.h"
 RULES_BEGIN

@@ -275,6 +275,37 @@ TEST_F(Gbuffer, MotionFromBehindTheCameraIsFinite) {
   }
 }
 
+// Two sheets across each other, one of which glows: each pixel emits what the nearer one does, also
+// where something glowed one frame ago.
+TEST_F(Gbuffer, EmissionIsOfTheNearestSurface) {
+  MaterialData m = plainMaterial(vec3(0.5f), 0, 0.5f);
+  const uint32_t plain = 0;
+  for (const bool glowing_first : {true, false}) {
+    Studio s({64, 64});
+    m.emissive = vec3(2, 0.5f, 0);
+    const uint32_t sheet = s.mesh(sheetMesh()), glowing = s.material(m);
+    const auto put = [&](uint32_t material, float turn) {
+      return s.put(sheet, material, {0, 0, 0}, vec3(2), glm::angleAxis(turn, vec3(0, 0, 1)));
+    };
+    const Entity first = put(glowing_first ? glowing : plain, 0.4f);
+    const Entity second = put(glowing_first ? plain : glowing, -0.4f);
+    s.look({0, 3, 0.01}, {0, 0, 0});
+    for (const double eye_x : {0.0, 0.4}) {
+      s.look({eye_x, 3, 0.01}, {eye_x, 0, 0});
+      s.render();
+      const Pixels p(s);
+      int counts[2] = {};
+      for (size_t i = 0; i < p.id.size(); ++i) {
+        const bool glows = p.id[i] == idOf(glowing_first ? first : second);
+        ++counts[glows];
+        ASSERT_EQ(vec3(p.emissive[3 * i], p.emissive[3 * i + 1], p.emissive[3 * i + 2]),
+                  glows ? m.emissive : vec3(0)) << i;
+      }
+      EXPECT_GT(std::min(counts[0], counts[1]), 500);
+    }
+  }
+}
+
 // ---- precision, culling, placement
 
 TEST_F(Gbuffer, TwoPlanesAMillimetreApartAtHundredMetres) {

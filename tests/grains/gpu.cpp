@@ -1,6 +1,7 @@
 // Drawn spheres: each pixel against double precision; motion, shadows, counters.
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
 #include "engine/core/random.h"
 #include "engine/gpu/counters.h"
@@ -351,6 +352,32 @@ TEST_F(GrainsDrawn, CostsWhatItMust) {
   start = gpu::counters();
   stage.render();
   EXPECT_EQ((gpu::counters() - start).draws, 2u);
+}
+
+// A wall that glows, with a grain before it, one in it and one behind it.
+TEST_F(GrainsDrawn, HideEmission) {
+  Stage stage;
+  MaterialData glowing;
+  glowing.emissive = vec3(2, 0.5f, 0);
+  const Entity wall = stage.put(stage.mesh(boxMesh()), stage.material(glowing), {0, 0, -1});
+  stage.look({0, 0, 4}, {0, 0, 0});
+  stage.add({0.5f, 0, 0.4f}, 0.3f);
+  stage.add({-0.5f, 0, 0}, 0.3f);
+  stage.add({0, 0, -3}, 0.3f);
+  stage.show();
+  stage.render();
+  const std::vector<uint32_t> ids = stage.ids();
+  const std::vector<float> emissive = stage.floats(kGbufferEmissive, 3);
+  std::map<uint32_t, int> counts;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    ++counts[ids[i]];
+    ASSERT_EQ(vec3(emissive[3 * i], emissive[3 * i + 1], emissive[3 * i + 2]),
+              ids[i] == wall.index + 1 ? glowing.emissive : vec3(0)) << i;
+  }
+  EXPECT_GT(counts[wall.index + 1], 1000);
+  EXPECT_GT(counts[stage.entities[0].index + 1], 500);
+  EXPECT_GT(counts[stage.entities[1].index + 1], 500);
+  EXPECT_EQ(counts[stage.entities[2].index + 1], 0);
 }
 
 TEST_F(GrainsDrawn, ManyComeAndGo) {
