@@ -174,7 +174,9 @@ class Run {
   }
 
   Status playRealTime() {
-    FixedStep step(kTickSeconds);
+    // Three ticks a frame: a machine that draws fewer than 20 frames a second slows the game down,
+    // rather than drawing fewer still.
+    FixedStep step(kTickSeconds, 3);
     RawInput input;
     double last = now(), last_frame = last, last_reload = last;
     while (!ended() && !state_.context->shouldClose()) {

@@ -1,3 +1,4 @@
+// The store of sleepers: hashed cells, contact lists, and what is passed down to the ground.
 #include "modules/grains/sleepers.h"
 
 #include <glm/geometric.hpp>
