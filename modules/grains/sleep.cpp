@@ -49,10 +49,11 @@ void GrainSolver::findDisturbed(std::span<const Collider> colliders,
   }
   if (staying == walls_.swept().size()) return;
   for (const ColliderLists::Swept& swept : walls_.swept()) {
-    const bool stays = std::any_of(colliders.begin(), colliders.end(), [&](const Collider& c) {
-      return c.key == swept.collider.key && walls_.sweptLast(c) != nullptr;
-    });
-    if (!stays)
+    const auto now = std::lower_bound(
+        colliders.begin(), colliders.end(), swept.collider.key,
+        [](const Collider& collider, uint32_t key) { return collider.key < key; });
+    if (now == colliders.end() || now->key != swept.collider.key ||
+        walls_.sweptLast(*now) == nullptr)
       sleepers_.pressing(swept.collider.key, [&](uint32_t berth) { waking_.push_back(berth); });
   }
 }

@@ -6,7 +6,9 @@
 // the order of the other's entity, so that no result depends on the order of events.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,15 +19,20 @@
 
 namespace scree::grains {
 
-// A sum of floats that does not depend on their order: fixed point with 2^-80 N s.
+// A sum of up to 2^22 floats that does not depend on their order: fixed point with 2^-60 N s. What is
+// beyond 2^44 N s counts as that.
 class ExactSum {
  public:
-  void add(float value) { sum_ += static_cast<Int128>(static_cast<double>(value) * kScale); }
+  void add(float value) {
+    constexpr double kMost = 0x1p44;
+    const double held = std::clamp(static_cast<double>(value), -kMost, kMost);
+    sum_ += static_cast<Int128>(held * kScale);
+  }
   double value() const { return static_cast<double>(sum_) / kScale; }
 
  private:
   __extension__ using Int128 = __int128;
-  static constexpr double kScale = 0x1p80;
+  static constexpr double kScale = 0x1p60;
   Int128 sum_ = 0;
 };
 

@@ -74,8 +74,9 @@ bool sleepsOn(const GrainRows& table, size_t k, const Sleeper& sleeper) {
 
 }  // namespace
 
-// Finds every row's grain: new ones become bodies or sleepers, those without a row go, and sleepers
-// whose rows were written to, or that leaned on one that goes, are to wake.
+// Finds every row's grain: new ones become bodies (awake whatever their row says: how they lean is
+// not known), those without a row go, and sleepers whose rows were written to, or that leaned on one
+// that goes, are to wake.
 void GrainSolver::adopt(std::span<const GrainRows> tables) {
   awake_.clear();
   const uint32_t bodies_before = bodies_.count;
@@ -93,16 +94,7 @@ void GrainSolver::adopt(std::span<const GrainRows> tables) {
       uint32_t place = placeOf(entity);
       if (place == kNoSlot) {
         search_due_ = true;
-        const Sleeper found{.position = table.grain[k].position,
-                            .radius = table.grain[k].radius,
-                            .row = row,
-                            .entity = entity,
-                            .material = table.material[k]};
-        if (sleepsOn(table, k, found)) {
-          setPlace(entity, sleepers_.lay(found) | kBerthBit);
-          continue;
-        }
-        place = appendBody(entity, found.material, found.position, found.radius);
+        place = appendBody(entity, table.material[k], table.grain[k].position, table.grain[k].radius);
         setPlace(entity, place);
       } else if ((place & kBerthBit) != 0) {
         const uint32_t berth = place & ~kBerthBit;

@@ -232,6 +232,21 @@ TEST(Sleep, LoadIsStillFelt) {
   EXPECT_NEAR(load() / more, 1, 0.005);
 }
 
+TEST(Sleep, ANewSolverFeelsTheLoadOfSleepers) {
+  Bed bed;
+  for (Collider& c : bed.colliders) c.sensed = true;
+  ASSERT_LT(bed.sleep(), 1500);
+  double mass = 0;
+  for (size_t k = 0; k < bed.grain.size(); ++k) mass += bed.mass(k);
+  bed.solver = GrainSolver();  // as after loading a world
+  bed.step(60);
+  double load = 0;
+  for (const Collider& c : bed.colliders) load -= c.load.y * 60 / 9.81;
+  EXPECT_NEAR(load / mass, 1, 0.02);
+  EXPECT_LT(bed.sleep(), 1500);
+  EXPECT_LT(bed.deepestOverlap(), 0.01);
+}
+
 TEST(Sleep, IsTheSameForEveryThreadCountAndOrderOfRows) {
   uint64_t want = 0;
   for (const int run : {0, 1, 2, 3}) {
