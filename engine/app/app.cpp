@@ -43,7 +43,8 @@ void App::tick() {
   if (!world.singleton<Simulation>().paused) state_->schedule.run(Phase::Simulate, world);
 }
 
-void App::render(ivec2 size, float alpha, float motion_scale, int samples) {
+void App::render(ivec2 size, float alpha, float motion_scale, int samples,
+                 const std::function<void()>& meanwhile) {
   World& world = state_->world;
   FrameInput& input = world.singleton<FrameInput>();
   input.size = size;
@@ -59,7 +60,11 @@ void App::render(ivec2 size, float alpha, float motion_scale, int samples) {
     input.sample = sample;
     input.jitter_px = rules::jitterOffset(static_cast<uint32_t>(sample));
     state_->schedule.run(Phase::Prepare, world);
-    state_->frame.run(world, input);
+    const bool last = sample + 1 == samples;
+    state_->frame.run(input, [&] {
+      if (last && meanwhile) state_->beside.start(meanwhile);
+    });
+    if (last) state_->beside.wait();
   }
 }
 

@@ -57,13 +57,17 @@ class App {
   // A number that the run's statistics report under `name`, read at the end.
   void addGauge(std::string name, std::function<double()> read);
 
-  // Advances the simulation by one tick: Phase::Input, then Phase::Simulate.
+  // Advances the simulation by one tick: Phase::Input, then Phase::Simulate. In a run that may be
+  // beside the passes of the frame before: meshes, materials and what else passes read are made
+  // before the run, or in Phase::Animate or Phase::Prepare.
   void tick();
   // Renders one frame of the current state into Frame::kOutput: Phase::Animate, then, for each of
   // `samples` sub-pixel offsets (1 = one sample at the pixel's centre), Phase::Prepare and the
   // passes. `alpha`: time between the previous tick (0) and the current one (1); `motion_scale`:
-  // frame interval / tick interval. Needs a current GL context.
-  void render(ivec2 size, float alpha = 1.0f, float motion_scale = 1.0f, int samples = 1);
+  // frame interval / tick interval. Needs a current GL context. `meanwhile` runs on another thread
+  // while the last sample's passes draw, and has ended when this returns: the next ticks.
+  void render(ivec2 size, float alpha = 1.0f, float motion_scale = 1.0f, int samples = 1,
+              const std::function<void()>& meanwhile = {});
   uint64_t tickIndex() const;
 
   // Runs until quit, the replay's end, or the tick limit: opens the context if anything is to be

@@ -6,6 +6,7 @@
 
 #include "engine/app/app.h"
 #include "engine/app/statistics.h"
+#include "engine/core/background.h"
 #include "engine/platform/context.h"
 #include "engine/platform/input.h"
 
@@ -22,6 +23,7 @@ struct App::State {
   std::vector<Gauge> gauges;
   uint64_t tick = 0;
   uint64_t rendered_frames = 0;
+  Background beside;  // the ticks beside a frame's passes
 };
 
 }  // namespace scree

@@ -141,7 +141,7 @@ class Run {
     return Done{};
   }
 
-  Status tick() {
+  void tick() {
     ActionState& actions = app_.world().singleton<ActionState>();
     if (player_)
       player_->tick(actions);
@@ -157,13 +157,13 @@ class Run {
     if (!options_.hash_log.empty())
       fmt::format_to(std::back_inserter(hash_lines_), "{} {:016x}\n", app_.tickIndex(),
                      app_.world().stateHash());
-    return Done{};
   }
 
-  void render(ivec2 size, float alpha, float motion_scale, int samples) {
+  void render(ivec2 size, float alpha, float motion_scale, int samples,
+              const std::function<void()>& meanwhile = {}) {
     const gpu::Counters before = gpu::counters();
     const double start = now();
-    app_.render(size, alpha, motion_scale, samples);
+    app_.render(size, alpha, motion_scale, samples, meanwhile);
     const double frame_ms = (now() - start) * 1e3;
     if (!options_.stats.empty())
       statistics_.addFrame(state_.frame, frame_ms, gpu::counters() - before);
@@ -173,6 +173,8 @@ class Run {
     }
   }
 
+  // A frame draws the newest state while the ticks that time has brought meanwhile make the next
+  // one, so that on a machine with more than one core neither waits for the other.
   Status playRealTime() {
     // Three ticks a frame: a machine that draws fewer than 20 frames a second slows the game down,
     // rather than drawing fewer still.
@@ -184,11 +186,14 @@ class Run {
       state_.context->poll(input);
       sampler_->feed(input);
       const double time = now();
+      const float alpha = step.alpha();
       const int ticks = step.advance(time - last);
       last = time;
-      for (int i = 0; i < ticks && !ended(); ++i)
-        if (Status status = tick(); !status.ok()) return status;
+      const auto catch_up = [&] {
+        for (int i = 0; i < ticks && !ended(); ++i) tick();
+      };
       if (state_.context->minimised()) {
+        catch_up();
         usleep(10'000);
         continue;
       }
@@ -201,8 +206,8 @@ class Run {
       const bool paused = app_.world().singleton<Simulation>().paused;
       const auto motion = static_cast<float>(frame_s / kTickSeconds);
       const ivec2 size = state_.context->framebufferSize();
-      render(size, paused ? 1.0f : step.alpha(),
-             paused ? 0.0f : std::clamp(motion, 0.0f, kMaxMotionScale), 1);
+      render(size, paused ? 1.0f : alpha,
+             paused ? 0.0f : std::clamp(motion, 0.0f, kMaxMotionScale), 1, catch_up);
       gpu::copyToWindow(state_.frame.texture(Frame::kOutput), size);
       state_.context->swap();
     }
@@ -223,7 +228,7 @@ class Run {
         state_.context->poll(unused);
         if (state_.context->shouldClose()) break;
       }
-      if (Status status = tick(); !status.ok()) return status;
+      tick();
       const uint64_t index = app_.tickIndex();
       if (capture_ ? isCaptured(index) : wantsFrames())
         render(options_.size, 1.0f, 1.0f, capture_ ? options_.truth : 1);

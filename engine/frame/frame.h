@@ -24,7 +24,6 @@
 
 namespace scree {
 
-class World;
 
 // The frame, top to bottom. Within a stage, passes run in the order of their registration.
 enum class Stage : uint8_t {
@@ -75,7 +74,6 @@ struct FrameInput {
 class Frame;
 
 struct PassContext {
-  World& world;
   Frame& frame;
   const FrameInput& input;
   // The pass did not run in the last frame, or a target that it writes was created since it did:
@@ -92,6 +90,8 @@ struct PassDesc {
   std::function<bool()> needs;  // empty: always met
   std::vector<std::string> needs_content;
   std::vector<Use> uses;
+  // Runs while the next ticks are simulated: it touches no component, and of what systems of
+  // Phase::Input and Phase::Simulate write nothing but copies that Phase::Prepare made.
   // Called with the framebuffer of the Clear, Color, Depth and DepthTest uses bound (color
   // attachments in the order of declaration), the viewport set to its size, no scissor, and the
   // default DrawState (see engine/gpu/state.h) applied, with depth test and depth writes as far as
@@ -147,9 +147,9 @@ class Frame {
   // on.
   void keep(std::string_view resource, bool kept);
 
-  // Decides which passes are on, then runs them in order. An output of no size (a minimised
-  // window) runs nothing.
-  void run(World& world, const FrameInput& input);
+  // Decides which passes are on, calls `decided`, then runs the passes in order. An output of no
+  // size (a minimised window) runs nothing.
+  void run(const FrameInput& input, const std::function<void()>& decided = {});
   // Only decides, without touching GL: report() and describe() then tell what run() would do.
   void decide();
 

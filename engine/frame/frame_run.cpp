@@ -166,7 +166,7 @@ void Frame::State::clearTargets(const FramePass& pass) {
   }
 }
 
-void Frame::State::runPass(size_t index, Frame& frame, World& world, const FrameInput& input) {
+void Frame::State::runPass(size_t index, Frame& frame, const FrameInput& input) {
   FramePass& pass = *passes[index];
   PassReport& report = reports[index];
   const gpu::DebugGroup group(pass.desc.name);
@@ -179,7 +179,7 @@ void Frame::State::runPass(size_t index, Frame& frame, World& world, const Frame
   uint64_t written_created = 0;
   for (const FrameUse& use : pass.uses)
     if (isWrite(use.access)) written_created += resources[use.resource].created;
-  PassContext context{world, frame, input};
+  PassContext context{frame, input};
   context.first_run_after_off =
       pass.last_run == 0 || pass.last_run + 1 != runs || pass.written_created != written_created;
   pass.written_created = written_created;
@@ -216,17 +216,21 @@ void Frame::State::takeTimes() {
   }
 }
 
-void Frame::run(World& world, const FrameInput& input) {
+void Frame::run(const FrameInput& input, const std::function<void()>& decided) {
   State& s = *state_;
-  if (input.size.x < 1 || input.size.y < 1) return;
+  if (input.size.x < 1 || input.size.y < 1) {
+    if (decided) decided();
+    return;
+  }
   ++s.runs;
   s.resize(input.size);
   s.timers.poll();
   s.takeTimes();
   decide();
+  if (decided) decided();
   s.running = true;
   for (size_t i = 0; i < s.passes.size(); ++i)
-    if (s.reports[i].on) s.runPass(i, *this, world, input);
+    if (s.reports[i].on) s.runPass(i, *this, input);
   s.running = false;
 }
 

@@ -83,7 +83,7 @@ struct Frame::State {
   void issueBarriers(const FramePass& pass);
   void noteAccesses(const FramePass& pass);
   void clearTargets(const FramePass& pass);
-  void runPass(size_t index, Frame& frame, World& world, const FrameInput& input);
+  void runPass(size_t index, Frame& frame, const FrameInput& input);
 };
 
 bool isAttachment(Access access);

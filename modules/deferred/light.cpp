@@ -37,7 +37,7 @@ void LightPass::draw(DeferredState& state, PassContext& context) {
   const bool shadows = context.frame.hasContent(kShadowMap) &&
                        state.world.singleton<const ShadowView>().block.enabled > 0;
   const bool shining = state.world.singleton<const Sun>().present;
-  const bool hard = state.world.singleton<const ShadowSettings>().single_fetch;
+  const bool hard = state.shadow_settings.single_fetch;
   gpu::Program& program = shadows ? (hard ? sun_and_hard_shadows : sun_and_shadows)
                           : shining ? sun
                                     : sky_only;

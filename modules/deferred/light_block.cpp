@@ -64,6 +64,8 @@ void run(DeferredState& state) {
   const Sun sun = findSun(state);
   world.singleton<Sun>() = sun;
   world.singleton<ShadowCasters>().spheres.clear();
+  state.shadow_settings = world.singleton<const ShadowSettings>();
+  state.exposure = world.singleton<const Exposure>().scale;
 
   const Sky& sky = world.singleton<const Sky>();
   state.lighting.sky = rules::skyPolynomial(checkedRadiance(sky.zenith), checkedRadiance(sky.horizon),

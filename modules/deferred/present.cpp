@@ -17,7 +17,7 @@ PassDesc presentPass(const SharedState& state) {
             if (!program->use()) return;
             const bool truth = context.frame.hasContent(kTruth);
             context.frame.bindSampled(truth ? kTruth : kRadiance, rules::kRadianceUnit);
-            program->set(0, state->world.singleton<const Exposure>().scale);
+            program->set(0, state->exposure);
             gpu::apply({.depth_test = false, .depth_write = false});
             gpu::drawFullScreen();
           }};

@@ -45,7 +45,7 @@ void ShadowPass::clear(PassContext& context) {
 
 ShadowFit fit(DeferredState& state, int output_height) {
   World& world = state.world;
-  const ShadowSettings& settings = world.singleton<const ShadowSettings>();
+  const ShadowSettings& settings = state.shadow_settings;
   const dvec3 camera = world.singleton<const View>().position;
   const ShadowFit fit =
       fitShadow(world.singleton<const ShadowCasters>().spheres, camera,

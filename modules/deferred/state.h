@@ -26,6 +26,9 @@ struct DeferredState {
   gpu::StreamSlice opaque_records;
   bool plain_in_view = false, emission_in_view = false;  // meshes without emission, and with it
   rules::LightingBlock lighting{};
+  // As of Phase::Prepare.
+  ShadowSettings shadow_settings;
+  float exposure = 1;
   std::vector<Entity> warned_lights;  // that were complained about; at most kMostLightWarnings
 };
 using SharedState = std::shared_ptr<DeferredState>;

@@ -190,7 +190,7 @@ TEST_F(Truth, MeanIsThatOfItsSamples) {
   for (int k = 0; k < kSamples; ++k) {
     input = {.size = s.size, .sample = k, .sample_count = kSamples, .jitter_px = rules::jitterOffset(static_cast<uint32_t>(k))};
     s.app.schedule().run(Phase::Prepare, s.world);
-    s.app.frame().run(s.world, input);
+    s.app.frame().run(input);
     const auto one = s.radiance();
     for (size_t i = 0; i < sum.size(); ++i) sum[i] += glm::dvec3(one[i]) / double{kSamples};
   }

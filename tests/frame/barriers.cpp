@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/ecs/world.h"
 #include "engine/frame/frame.h"
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
@@ -22,7 +21,7 @@ class BarrierTest : public test::GlTest {
   void run(Frame& frame) {
     FrameInput input;
     input.size = {8, 8};
-    frame.run(world_, input);
+    frame.run(input);
   }
   // Barriers of the last run of a pass.
   static uint64_t barriers(const Frame& frame, std::string_view pass) {
@@ -32,7 +31,6 @@ class BarrierTest : public test::GlTest {
     return 0;
   }
   static void nothing(PassContext&) {}
-  World world_;
   test::ShaderFolder folder_;
 };
 

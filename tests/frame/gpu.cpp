@@ -2,7 +2,6 @@
 #include <string>
 #include <vector>
 
-#include "engine/ecs/world.h"
 #include "engine/frame/frame.h"
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
@@ -44,7 +43,7 @@ class FrameTest : public test::GlTest {
     FrameInput input;
     input.size = size;
     input.frame = frames_++;
-    frame.run(world_, input);
+    frame.run(input);
   }
   static const PassReport& report(const Frame& frame, std::string_view name) {
     for (const PassReport& r : frame.report())
@@ -52,7 +51,6 @@ class FrameTest : public test::GlTest {
     ADD_FAILURE() << "no pass " << name;
     return frame.report().front();
   }
-  World world_;
   uint64_t frames_ = 0;
   test::ShaderFolder folder_;
 };
@@ -153,7 +151,6 @@ TEST_F(FrameTest, PassesDrawIntoTheirTargets) {
                    EXPECT_FALSE(gpu::currentState().depth_test);
                    EXPECT_FALSE(gpu::currentState().depth_write);
                    EXPECT_EQ(c.input.size, ivec2(8, 4));
-                   EXPECT_EQ(&c.world, &world_);
                    grey.use();
                    gpu::drawFullScreen();
                  }});

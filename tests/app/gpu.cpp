@@ -1,0 +1,103 @@
+// The frame and the ticks beside it.
+#include "engine/app/app.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <thread>
+
+#include "tests/support/gl_fixture.h"
+
+namespace scree::test {
+namespace {
+
+class AppGpu : public GlTest {
+ protected:
+  AppGpu() : app_([] {
+    AppOptions options;
+    options.threads = 2;
+    return options;
+  }()) {}
+
+  // A pass that is always on.
+  void addPass(std::function<void()> run) {
+    app_.addPass({.name = "test.draw",
+                  .stage = Stage::Present,
+                  .uses = {{std::string(Frame::kOutput), Access::Color}},
+                  .run = [run](PassContext&) { run(); }});
+  }
+  App app_;
+};
+
+constexpr std::chrono::seconds kLong(60);
+
+TEST_F(AppGpu, MeanwhileRunsOnAnotherThreadWhileThePassesDraw) {
+  std::promise<void> from_pass, from_ticks;
+  std::future<void> pass_was_here = from_pass.get_future(), ticks_were_here = from_ticks.get_future();
+  bool met = false;
+  std::thread::id ticking;
+  addPass([&] {
+    from_pass.set_value();
+    met = ticks_were_here.wait_for(kLong) == std::future_status::ready;
+  });
+  bool met_too = false;
+  app_.render({8, 8}, 1, 1, 1, [&] {
+    from_ticks.set_value();
+    met_too = pass_was_here.wait_for(kLong) == std::future_status::ready;
+    ticking = std::this_thread::get_id();
+  });
+  EXPECT_TRUE(met);
+  EXPECT_TRUE(met_too);
+  EXPECT_NE(ticking, std::this_thread::get_id());
+}
+
+TEST_F(AppGpu, MeanwhileHasEndedWhenRenderReturns) {
+  addPass([] {});
+  bool done = false;
+  app_.render({8, 8}, 1, 1, 1, [&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    done = true;
+  });
+  EXPECT_TRUE(done);
+}
+
+// The last sample's passes are the last to read what Prepare made.
+TEST_F(AppGpu, OnlyTheLastSampleDrawsBesideTheTicks) {
+  int prepared = 0, prepared_at_tick = 0, calls = 0;
+  app_.addSystem({.name = "test.prepare", .phase = Phase::Prepare, .run = [&](World&) { ++prepared; }});
+  addPass([] {});
+  app_.render({8, 8}, 1, 1, 5, [&] {
+    ++calls;
+    prepared_at_tick = prepared;
+  });
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(prepared_at_tick, 5);
+}
+
+// Ticks run whether or not anybody can see a picture.
+TEST_F(AppGpu, MeanwhileRunsForAnOutputOfNoSize) {
+  addPass([] { FAIL() << "a pass ran"; });
+  bool done = false;
+  app_.render({0, 0}, 1, 1, 1, [&] { done = true; });
+  EXPECT_TRUE(done);
+}
+
+// Which passes are on is decided before the ticks go on.
+TEST_F(AppGpu, NeedsAreAskedBeforeTheTicksGoOn) {
+  bool ticking = false, asked_too_late = false;
+  app_.addPass({.name = "test.draw",
+                .stage = Stage::Present,
+                .needs_text = "anything",
+                .needs = [&] {
+                  asked_too_late |= ticking;
+                  return true;
+                },
+                .uses = {{std::string(Frame::kOutput), Access::Color}},
+                .run = [](PassContext&) {}});
+  app_.render({8, 8}, 1, 1, 1, [&] { ticking = true; });
+  EXPECT_FALSE(asked_too_late);
+  EXPECT_TRUE(ticking);
+}
+
+}  // namespace
+}  // namespace scree::test
