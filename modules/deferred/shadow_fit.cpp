@@ -63,14 +63,17 @@ ShadowFit fitShadow(std::span<const ShadowCasters::Sphere> casters, const dvec3&
   ShadowFit fit;
   if (!(x.min <= x.max) || !std::isfinite(z.max - z.min)) return fit;
 
-  const double usable = map_size - 2 * kShadowBorderTexels - 1;  // 1: lost to the snapping
+  const int step = std::max(map_size / kShadowSteps, 1);
+  const double usable = map_size - 2 * kShadowBorderTexels - step;
   fit.texel = steppedUp(std::max(std::max(x.max - x.min, y.max - y.min), 1e-3) / usable);
-  fit.left = (std::floor(x.min / fit.texel) - kShadowBorderTexels) * fit.texel;
-  fit.bottom = (std::floor(y.min / fit.texel) - kShadowBorderTexels) * fit.texel;
+  const double across = step * fit.texel, border = kShadowBorderTexels * fit.texel;
+  fit.left = std::floor(x.min / across) * across - border;
+  fit.bottom = std::floor(y.min / across) * across - border;
   // A margin, so that rounding puts no caster outside [0, 1].
   const double margin = 1e-4 * (z.max - z.min) + 1e-4;
-  fit.far = z.min - margin;
-  fit.depth = z.max + margin - fit.far;
+  const double along = steppedUp(z.max - z.min + 2 * margin) / kShadowSteps;
+  fit.far = std::floor((z.min - margin) / along) * along;
+  fit.depth = std::ceil((z.max + margin) / along) * along - fit.far;
   fit.axis_x = axis_x;
   fit.axis_y = axis_y;
   fit.axis_z = axis_z;

@@ -9,6 +9,10 @@ namespace scree {
 
 // Empty texels kept around the casters, so that the filter never leaves the map where it matters.
 inline constexpr int kShadowBorderTexels = 3;
+// The view's sides move in steps of this fraction of the map, and its near and far plane of the
+// depth, so that a caster on its way outwards changes the fit, and has the still casters drawn anew,
+// once in a while instead of in every frame. Up to as much of the map stays unused.
+inline constexpr int kShadowSteps = 32;
 
 // Where the map lies in the world, in double precision. Equal fits draw equal maps of casters that
 // stand still, wherever the camera is.
@@ -26,7 +30,8 @@ struct ShadowFit {
 // Fits a map with a used part of `map_size`^2 texels that contains all casters as far as they reach into the
 // square of half side `max_distance_m` around the camera, seen along the light. Texels lie on a grid
 // that is fixed in the world, and their size moves in steps of 2^(1/8), so that shadows of what
-// stands still do not crawl while other casters move. `to_sun` is a unit vector.
+// stands still do not crawl while other casters move. `to_sun` is a unit vector. Depends on nothing
+// but its arguments: a frame looks the same whichever frames were drawn before.
 ShadowFit fitShadow(std::span<const ShadowCasters::Sphere> casters, const dvec3& camera,
                     const vec3& to_sun, int map_size, float max_distance_m);
 

@@ -162,18 +162,42 @@ TEST(ShadowFit, TexelsStayWhereTheyAreWhileCastersMove) {
   EXPECT_GE(last_phase_x, 0);
 }
 
+TEST(ShadowFit, ACasterOnItsWayOutwardsChangesItOnceInAWhile) {
+  auto spheres = heap(10, dvec3(0));
+  spheres.push_back({dvec3(9, 1, 4), 0.05f});
+  const vec3 sun(glm::normalize(vec3(0.3f, 0.8f, 0.2f)));
+  ShadowFit before;
+  int changes = 0;
+  double to_edge = 0;
+  for (int step = 0; step < 400; ++step) {
+    spheres.back().center += dvec3(0.02, 0.01, 0.01);
+    const ShadowFit fit = fitShadow(spheres, dvec3(2, 3, 1), sun, 1024, 150);
+    changes += fit != before;
+    before = fit;
+    const auto view = shadowViewBlock(fit, dvec3(0));
+    const dvec3 c = mapCoordinates(view, spheres.back().center);
+    to_edge = std::min({c.x, c.y, 1024 - c.x, 1024 - c.y});
+    ASSERT_GT(to_edge, 2.9);
+    ASSERT_GT(c.z, 0);
+    ASSERT_LT(c.z, 1);
+  }
+  EXPECT_LT(to_edge, 40);  // it led the fit
+  EXPECT_GT(changes, 1);
+  EXPECT_LT(changes, 40);
+}
+
 TEST(ShadowFit, IsTheSameFarFromTheOrigin) {
   const vec3 sun(0, 1, 0);
   const dvec3 far(1048576, 0, 1048576);  // a whole number of texels of any size up to 1 m
   const auto a = fitShadowView(heap(3, dvec3(0)), dvec3(4, 3, 2), sun, 1024, 150);
   const auto b = fitShadowView(heap(3, far), far + dvec3(4, 3, 2), sun, 1024, 150);
   EXPECT_EQ(a.texel_m, b.texel_m);
-  // Sizes of 2^(k/8) do not divide 2^20 m: the phase may differ, by less than a texel.
+  // Sizes of 2^(k/8) do not divide 2^20 m: the phase may differ, by less than a step.
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r)
       EXPECT_FLOAT_EQ(a.shadow_from_relative[c][r], b.shadow_from_relative[c][r]);
   for (int r = 0; r < 2; ++r)
-    EXPECT_NEAR(a.shadow_from_relative[3][r], b.shadow_from_relative[3][r], 1.01);
+    EXPECT_NEAR(a.shadow_from_relative[3][r], b.shadow_from_relative[3][r], 1024.0 / kShadowSteps + 0.01);
 }
 
 // Clip space, over the whole target, shows the used part at its texels.
