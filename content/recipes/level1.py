@@ -117,6 +117,11 @@ def make(images):
               light=gltf.sun("sun", (1.0, 0.76, 0.50), 3.9))
     gltf.node("beast", CREATURE_START, mesh=palette.mesh("beast", beast.build()), extras={"Creature": CREATURE})
     gltf.node("heap", (0.0, 0.30, HEAP_Z), extras={"GrainBlock": GRAINS})
+    # Where the dunes rise the plane collider goes on flat: a grain that rolls so far is lost in the sand.
+    reach, origin_z = landscape.FLAT_RADIUS, round(HEAP_Z)
+    gltf.node("grain_field", extras={"GrainField": {
+        "origin": [0.0, 0.0, float(origin_z)], "placed": True,
+        "bounds_min": [-reach, arch.GROUND_Y - 1.0, -reach - origin_z], "bounds_max": [reach, 10.0, reach - origin_z]}})
     _colliders(gltf)
     _scenery(gltf, palette)
     return {"levels/level1.glb": gltf.glb()}
