@@ -166,7 +166,7 @@ class Run {
     app_.render(size, alpha, motion_scale, samples, meanwhile);
     const double frame_ms = (now() - start) * 1e3;
     if (!options_.stats.empty())
-      statistics_.addFrame(state_.frame, frame_ms, gpu::counters() - before);
+      statistics_.addFrame(state_.schedule, state_.frame, frame_ms, gpu::counters() - before);
     if (!options_.trace.empty()) {
       trace_.addSystems(state_.schedule, {Phase::Animate, Phase::Prepare});
       trace_.addPasses(state_.frame);

@@ -28,12 +28,22 @@ nlohmann::ordered_json summary(const std::vector<float>& values) {
 
 void Statistics::addTick(const Schedule& schedule, double tick_ms) {
   ticks_.add(tick_ms);
-  for (const SystemReport& system : schedule.report())
-    if (system.on) systems_[system.name].add(system.cpu_ms);
+  addSystems(schedule);
 }
 
-void Statistics::addFrame(const Frame& frame, double frame_ms, const gpu::Counters& work) {
+void Statistics::addSystems(const Schedule& schedule) {
+  for (const SystemReport& system : schedule.report()) {
+    if (system.runs == 0) continue;
+    SystemSeries& series = systems_[system.name];
+    if (system.runs != series.runs) series.cpu.add(system.cpu_ms);
+    series.runs = system.runs;
+  }
+}
+
+void Statistics::addFrame(const Schedule& schedule, const Frame& frame, double frame_ms,
+                          const gpu::Counters& work) {
   frames_.add(frame_ms);
+  addSystems(schedule);
   draws_.add(static_cast<double>(work.draws));
   dispatches_.add(static_cast<double>(work.dispatches));
   bytes_uploaded_.add(static_cast<double>(work.bytes_uploaded));
@@ -41,7 +51,9 @@ void Statistics::addFrame(const Frame& frame, double frame_ms, const gpu::Counte
     if (!pass.on) continue;
     PassSeries& series = passes_[pass.name];
     series.cpu.add(pass.cpu_ms);
-    if (pass.gpu_ms >= 0) series.gpu.add(pass.gpu_ms);
+    // GPU times arrive some frames late; the last known one stays until the next.
+    if (pass.gpu_ms >= 0 && pass.gpu_start_ns != series.gpu_start_ns) series.gpu.add(pass.gpu_ms);
+    series.gpu_start_ns = pass.gpu_start_ns;
   }
 }
 
@@ -64,7 +76,7 @@ Status Statistics::write(const std::filesystem::path& path, const std::vector<Ga
   json["draws"] = summary(draws_.values);
   json["dispatches"] = summary(dispatches_.values);
   json["bytes_uploaded"] = summary(bytes_uploaded_.values);
-  for (const auto& [name, series] : systems_) json["systems"][name]["cpu_ms"] = summary(series.values);
+  for (const auto& [name, series] : systems_) json["systems"][name]["cpu_ms"] = summary(series.cpu.values);
   for (const auto& [name, series] : passes_) {
     json["passes"][name]["cpu_ms"] = summary(series.cpu.values);
     json["passes"][name]["gpu_ms"] = summary(series.gpu.values);

@@ -23,10 +23,12 @@ struct Gauge {
 
 class Statistics {
  public:
-  // After each tick: the systems' CPU times and the tick's own, milliseconds.
+  // After each tick: the CPU times of the systems that ran, and the tick's own, milliseconds.
   void addTick(const Schedule& schedule, double tick_ms);
-  // After each rendered frame: the passes' times, the frame's own, and what the GPU was asked for.
-  void addFrame(const Frame& frame, double frame_ms, const gpu::Counters& work);
+  // After each rendered frame: the same of its systems, the passes' times, the frame's own, and what
+  // the GPU was asked for.
+  void addFrame(const Schedule& schedule, const Frame& frame, double frame_ms,
+                const gpu::Counters& work);
 
   // Writes the JSON. Times are in milliseconds: {median, p99, count}.
   Status write(const std::filesystem::path& path, const std::vector<Gauge>& gauges,
@@ -37,10 +39,17 @@ class Statistics {
     std::vector<float> values;
     void add(double value) { values.push_back(static_cast<float>(value)); }
   };
+  struct SystemSeries {
+    Series cpu;
+    uint64_t runs = 0;  // as of the last look
+  };
   struct PassSeries {
     Series cpu, gpu;
+    int64_t gpu_start_ns = -1;  // of the last measurement
   };
-  std::map<std::string, Series> systems_;
+  void addSystems(const Schedule& schedule);
+
+  std::map<std::string, SystemSeries> systems_;
   std::map<std::string, PassSeries> passes_;
   Series ticks_, frames_, draws_, dispatches_, bytes_uploaded_;
 };

@@ -28,6 +28,13 @@ size_t bytes(GLenum name) {
   return value > 0 ? static_cast<size_t>(value) : 0;
 }
 
+bool hasExtension(std::string_view wanted) {
+  for (GLint i = 0; i < integer(GL_NUM_EXTENSIONS); ++i)
+    if (reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))) == wanted)
+      return true;
+  return false;
+}
+
 }  // namespace
 
 const Limits& limits() {
@@ -49,6 +56,7 @@ Status loadFunctions(void (*(*get)(const char*))()) {
   l.software = false;
   for (const char* name : {"llvmpipe", "softpipe", "SWR", "SwiftShader"})
     l.software |= l.renderer.find(name) != std::string::npos;
+  l.anisotropy = hasExtension("GL_EXT_texture_filter_anisotropic");
   l.texture_size = integer(GL_MAX_TEXTURE_SIZE);
   l.array_layers = integer(GL_MAX_ARRAY_TEXTURE_LAYERS);
   l.texture_units = integer(GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS);

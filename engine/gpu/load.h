@@ -12,6 +12,7 @@ namespace scree::gpu {
 struct Limits {
   std::string renderer;   // "llvmpipe (LLVM 15.0.6, 256 bits)"
   bool software = false;  // a CPU draws: texture filtering is dear there
+  bool anisotropy = false;  // texture filtering can be anisotropic
   int texture_size = 0;   // texels along a side of a 2D texture
   int array_layers = 0;
   int texture_units = 0;  // of all stages together

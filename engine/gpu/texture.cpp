@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 
 #include "engine/core/log.h"
 #include "engine/gpu/bound.h"
@@ -60,17 +59,6 @@ GLint wrapMode(Wrap wrap) {
 // Core only from 4.6 on, but every driver of 4.5 has the extension.
 constexpr GLenum kMaxAnisotropy = 0x84FE;
 
-bool hasAnisotropy() {
-  GLint count = 0;
-  glGetIntegerv(GL_NUM_EXTENSIONS, &count);
-  for (GLint i = 0; i < count; ++i) {
-    const auto* name =
-        reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
-    if (std::strcmp(name, "GL_EXT_texture_filter_anisotropic") == 0) return true;
-  }
-  return false;
-}
-
 template <class SetInt, class SetFloat>
 void setParameters(const Sampling& sampling, SetInt set_int, SetFloat set_float) {
   set_int(GL_TEXTURE_MIN_FILTER, minFilter(sampling.filter));
@@ -80,7 +68,7 @@ void setParameters(const Sampling& sampling, SetInt set_int, SetFloat set_float)
   set_int(GL_TEXTURE_WRAP_R, wrapMode(sampling.wrap));
   set_int(GL_TEXTURE_COMPARE_MODE, sampling.shadow ? GL_COMPARE_REF_TO_TEXTURE : GL_NONE);
   set_int(GL_TEXTURE_COMPARE_FUNC, GL_GEQUAL);
-  if (sampling.anisotropy > 1 && hasAnisotropy()) set_float(kMaxAnisotropy, sampling.anisotropy);
+  if (sampling.anisotropy > 1 && limits().anisotropy) set_float(kMaxAnisotropy, sampling.anisotropy);
 }
 
 GLenum pixelFormat(const FormatInfo& info, int channels) {

@@ -86,7 +86,7 @@ Result<std::unique_ptr<Context>> makeContext(const ContextDesc& desc) {
     Result<std::unique_ptr<Context>> made = makeKind(kind, desc);
     if (made) {
       if (!reasons.empty())
-        logInfo("{}; using {} ({})", reasons, contextKindName(kind), (*made)->description());
+        logInfo("{}; using {}", reasons, contextKindName(kind));
       return made;
     }
     reasons += fmt::format("{}no {} context: {}", reasons.empty() ? "" : "; ",

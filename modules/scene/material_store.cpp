@@ -94,7 +94,6 @@ struct MaterialStore::State {
   std::vector<MaterialData> materials;
   std::map<Key, gpu::Texture> textures;  // empty: too large for the GPU
   gpu::Texture flat_normal;
-  uint64_t version = 1;
 
   const gpu::Texture& neutral(MaterialMap map) {
     if (map != MaterialMap::Normal) return gpu::whiteTexture();
@@ -132,7 +131,6 @@ uint32_t MaterialStore::add(MaterialData material) {
       fail(fmt::format("MaterialStore::add: material \"{}\": image {} of {}", material.name, index,
                        state_->images.size()));
   }
-  ++state_->version;
   state_->materials.push_back(std::move(material));
   return static_cast<uint32_t>(state_->materials.size() - 1);
 }
@@ -142,9 +140,6 @@ size_t MaterialStore::size() const {
 }
 size_t MaterialStore::imageCount() const {
   return state_->images.size();
-}
-uint64_t MaterialStore::version() const {
-  return state_->version;
 }
 
 const MaterialData& MaterialStore::material(uint32_t handle) const {

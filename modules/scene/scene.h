@@ -195,8 +195,6 @@ class MaterialStore {
   size_t imageCount() const;
   const MaterialData& material(uint32_t handle) const;
   const ImageData& image(int index) const;
-  // Increases with every add: upload material constants again when it has changed.
-  uint64_t version() const;
 
   // The texture of a map, with the sampling that the material asks for, or the neutral 1x1 texture
   // of that map (white; for normals +Z); uploaded with mipmaps at the first call. An image larger

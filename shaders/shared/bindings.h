@@ -14,10 +14,8 @@ const int kShadowViewBinding = 4;  // shared/shadow.h
 
 // Storage blocks (16 a stage at most).
 const int kInstancesBinding = 0;   // mesh instances
-const int kMaterialsBinding = 1;   // material constants
-const int kGrainsBinding = 2;      // grains
-const int kVisibleBinding = 3;     // indices of what is drawn
-const int kCommandsBinding = 4;    // indirect commands
+const int kGrainsBinding = 1;      // grains
+const int kVisibleBinding = 2;     // indices of what is drawn
 
 // Texture units. One kind of sampler a unit, never mixed within a program.
 const int kBaseColorUnit = 0;
