@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "modules/grains/company.h"
 #include "modules/grains/solver.h"
 
 namespace scree::grains {
@@ -89,14 +90,13 @@ void GrainSolver::gatherNear(float h) {
   bodies_.material.resize(n);
   bodies_.berth.resize(n);
   chooseMargins(h);
-  for (uint32_t k = 0; k < n && sleepers_.count() > 0; ++k) {
-    const vec3 p = bodies_.body[k].position;
-    const float reach = bodies_.body[k].radius + margin_[k];
-    sleepers_.near(p - reach, p + reach, [&](uint32_t berth) {
+  for (uint32_t k = 0; k < n && sleepers_.count() > 0;) {
+    Company company;
+    while (k < n && company.admits(bodies_.body[k], margin_[k])) ++k;
+    company.close();
+    sleepers_.near(company.low(), company.high(), [&](uint32_t berth) {
       Sleeper& sleeper = sleepers_[berth];
-      const vec3 d = sleeper.position - p;
-      const float sum = reach + sleeper.radius;
-      if (sleeper.slot != kNoSlot || !(glm::dot(d, d) < sum * sum)) return;
+      if (sleeper.slot != kNoSlot || !company.reaches(sleeper.position, sleeper.radius)) return;
       sleeper.slot = appendBody(sleeper.entity, sleeper.material, sleeper.position, sleeper.radius);
       bodies_.berth[sleeper.slot] = berth;
       bodies_.body[sleeper.slot].inverse_mass = 0;
