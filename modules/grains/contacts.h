@@ -52,7 +52,7 @@ struct BouncingBatch {
 };
 
 struct PairSlab {
-  // Found pairs by finder (a grain of this slab): the other grain.
+  // Found pairs by finder (a grain of this slab): the other grain, as Grid::neighbours() names it.
   std::vector<uint32_t> found_j;
   // Batches: contacts whose grain pairs are disjoint within each.
   uint32_t count = 0;  // contacts with the unused lanes, a multiple of kBatch

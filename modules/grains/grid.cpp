@@ -205,7 +205,7 @@ uint32_t Grid::bucketRow(const Level& level, int32_t y, int32_t z) const {
 
 size_t Grid::memoryBytes() const {
   return (bucket_begin_.capacity() + bucket_of_.capacity() + x_.capacity() + y_.capacity() +
-          z_.capacity() + reach_.capacity()) *
+          z_.capacity() + radius_.capacity() + reach_.capacity()) *
              4 +
          level_of_.capacity() + sorted_level_of_.capacity();
 }

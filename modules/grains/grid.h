@@ -51,8 +51,8 @@ class Grid {
   // True if grains of different sizes are found from either side: see neighbours().
   bool mixed() const { return level_count_ > 1; }
 
-  // Appends the slots of the neighbours of `slot` that this grain is the one to find; over all
-  // grains, each neighbouring pair is found exactly once. They lie in the grain's slab or the next
+  // Appends the neighbours of `slot` that this grain is the one to find: their slots, with kNearBit
+  // if the two nearly touch. Over all grains, each neighbouring pair is found exactly once. They lie in the grain's slab or the next
   // above it, or, if mixed(), the next below.
   void neighbours(uint32_t slot, std::vector<uint32_t>& found) const;
 
@@ -70,17 +70,13 @@ class Grid {
     std::array<uint8_t, kMostLevels> asks{};  // levels whose grains it looks for
     int ask_count = 0;
   };
-  struct Range {
-    uint32_t begin, end;
-  };
-
   void chooseLevels(const Bodies& bodies, std::span<const float> margin);
   void chooseSizes(const Bodies& bodies);
   void chooseSides();
   uint32_t bucketRow(const Level& level, int32_t y, int32_t z) const;
-  void rowRanges(const Level& level, int32_t x0, int32_t x1, int32_t y, int32_t z,
-                 std::vector<uint32_t>& found, uint32_t slot, uint32_t from) const;
-  void scan(uint32_t slot, uint32_t begin, uint32_t end, std::vector<uint32_t>& found) const;
+  class Finder;  // grid_search.cpp
+  void lookInRow(const Level& level, int32_t x0, int32_t x1, int32_t y, int32_t z,
+                 Finder& finder) const;
 
   const Kernels* kernels_ = &kBaselineKernels;
   std::array<Level, kMostLevels> level_;
@@ -91,7 +87,7 @@ class Grid {
   std::vector<uint32_t> bucket_of_;  // by old slot
   std::vector<uint8_t> level_of_;    // by old slot, then by new slot
   std::vector<uint8_t> sorted_level_of_;
-  std::vector<float> x_, y_, z_, reach_;
+  std::vector<float> x_, y_, z_, radius_, reach_;
 };
 
 }  // namespace scree::grains

@@ -10,41 +10,69 @@ void Grid::read(const Bodies& bodies) {
   x_.resize(n + kMostLanes);
   y_.resize(n + kMostLanes);
   z_.resize(n + kMostLanes);
+  radius_.resize(n + kMostLanes);
   for (uint32_t k = 0; k < n; ++k) {
     const vec3 p = bodies.body[k].position;
     x_[k] = p.x;
     y_[k] = p.y;
     z_[k] = p.z;
+    radius_[k] = bodies.body[k].radius;
   }
   for (uint32_t k = n; k < n + kMostLanes; ++k) {  // read by the last group, then masked out
     x_[k] = y_[k] = z_[k] = 0;
-    reach_[k] = 0;
+    radius_[k] = reach_[k] = 0;
   }
 }
 
-// Appends the slots in [begin, end) within reach of `slot`.
-void Grid::scan(uint32_t slot, uint32_t begin, uint32_t end, std::vector<uint32_t>& found) const {
-  constexpr uint32_t kMost = 120;  // candidates a call
-  uint32_t hits[kMost + kMostLanes];
-  const Reaches grains{x_.data(), y_.data(), z_.data(), reach_.data()};
-  for (; begin < end; begin += kMost) {
-    const uint32_t n = kernels_->scan(grains, slot, begin, std::min(end, begin + kMost), hits);
-    found.insert(found.end(), hits, hits + n);
-  }
-}
+// Collects the ranges to look at, so that the kernel is called for many at once.
+class Grid::Finder {
+ public:
+  Finder(const Grid& grid, uint32_t slot, std::vector<uint32_t>& found)
+      : kernels_(*grid.kernels_),
+        grains_{grid.x_.data(), grid.y_.data(), grid.z_.data(), grid.radius_.data(),
+                grid.reach_.data()},
+        slot_(slot),
+        found_(found) {}
 
-// Scans the cells x0 to x1 of a row, which may wrap around; skips slots below `from`.
-void Grid::rowRanges(const Level& level, int32_t x0, int32_t x1, int32_t y, int32_t z,
-                     std::vector<uint32_t>& found, uint32_t slot, uint32_t from) const {
+  void look(uint32_t begin, uint32_t end) {
+    while (begin < end) {
+      const uint32_t stop = begin + std::min(end - begin, kMostGrains - grains_in_ranges_);
+      range_[ranges_++] = {begin, stop};
+      grains_in_ranges_ += stop - begin;
+      begin = stop;
+      if (ranges_ == kMostRanges || grains_in_ranges_ == kMostGrains) finish();
+    }
+  }
+  // Appends what is found in the ranges since the last call.
+  void finish() {
+    uint32_t hits[kMostGrains + kMostLanes];
+    const uint32_t n = kernels_.scan(grains_, slot_, range_, ranges_, hits);
+    found_.insert(found_.end(), hits, hits + n);
+    ranges_ = grains_in_ranges_ = 0;
+  }
+
+ private:
+  static constexpr uint32_t kMostRanges = 16, kMostGrains = 248;  // a call
+
+  const Kernels& kernels_;
+  const Reaches grains_;
+  const uint32_t slot_;
+  std::vector<uint32_t>& found_;
+  SlotRange range_[kMostRanges];
+  uint32_t ranges_ = 0, grains_in_ranges_ = 0;
+};
+
+// The cells x0 to x1 of a row, which may wrap around.
+void Grid::lookInRow(const Level& level, int32_t x0, int32_t x1, int32_t y, int32_t z,
+                     Finder& finder) const {
   const uint32_t row = bucketRow(level, y, z);
   const uint32_t first = static_cast<uint32_t>(x0) & level.mask_x;
   const uint32_t last = static_cast<uint32_t>(x1) & level.mask_x;
   if (first <= last) {
-    scan(slot, std::max(from, bucket_begin_[row + first]), bucket_begin_[row + last + 1], found);
+    finder.look(bucket_begin_[row + first], bucket_begin_[row + last + 1]);
   } else {
-    scan(slot, std::max(from, bucket_begin_[row]), bucket_begin_[row + last + 1], found);
-    scan(slot, std::max(from, bucket_begin_[row + first]), bucket_begin_[row + level.mask_x + 1],
-         found);
+    finder.look(bucket_begin_[row], bucket_begin_[row + last + 1]);
+    finder.look(bucket_begin_[row + first], bucket_begin_[row + level.mask_x + 1]);
   }
 }
 
@@ -53,17 +81,19 @@ void Grid::neighbours(uint32_t slot, std::vector<uint32_t>& found) const {
   const int32_t x = cellOf(x_[slot], own.inverse_cell), y = cellOf(y_[slot], own.inverse_cell),
                 z = cellOf(z_[slot], own.inverse_cell);
   const size_t before = found.size();
+  Finder finder(*this, slot, found);
   // The grain's own cell from the grain on, and the 13 of 26 cells around that come later.
   const uint32_t row = bucketRow(own, y, z);
   const uint32_t column = static_cast<uint32_t>(x) & own.mask_x;
   if (column < own.mask_x) {
-    scan(slot, slot + 1, bucket_begin_[row + column + 2], found);
+    finder.look(slot + 1, bucket_begin_[row + column + 2]);
   } else {
-    scan(slot, slot + 1, bucket_begin_[row + column + 1], found);
-    scan(slot, bucket_begin_[row], bucket_begin_[row + 1], found);
+    finder.look(slot + 1, bucket_begin_[row + column + 1]);
+    finder.look(bucket_begin_[row], bucket_begin_[row + 1]);
   }
-  rowRanges(own, x - 1, x + 1, y + 1, z, found, slot, 0);
-  for (int32_t dy = -1; dy <= 1; ++dy) rowRanges(own, x - 1, x + 1, y + dy, z + 1, found, slot, 0);
+  lookInRow(own, x - 1, x + 1, y + 1, z, finder);
+  for (int32_t dy = -1; dy <= 1; ++dy) lookInRow(own, x - 1, x + 1, y + dy, z + 1, finder);
+  finder.finish();
   if (found.size() - before > kMostLevelNeighbours) found.resize(before + kMostLevelNeighbours);
 
   for (int a = 0; a < own.ask_count; ++a) {
@@ -89,8 +119,9 @@ void Grid::neighbours(uint32_t slot, std::vector<uint32_t>& found) const {
     }
     for (int32_t cz = low[2]; cz <= high[2]; ++cz)
       for (int32_t cy = low[1]; cy <= high[1]; ++cy)
-        rowRanges(other, low[0], high[0], cy, cz, found, slot, 0);
+        lookInRow(other, low[0], high[0], cy, cz, finder);
   }
+  finder.finish();
 }
 
 }  // namespace scree::grains

@@ -13,19 +13,26 @@ struct PassSettings;
 
 // What a search reads of all grains, by slot, with kMostLanes idle entries behind the last.
 struct Reaches {
-  const float *x, *y, *z, *reach;  // m
+  const float *x, *y, *z, *radius, *reach;  // m
 };
 inline constexpr uint32_t kMostLanes = 8;
+struct SlotRange {
+  uint32_t begin, end;
+};
+// A grain found: its slot, and this bit if the two nearly touch.
+inline constexpr uint32_t kNearBit = 0x80000000u;
+// Distance of centres in sums of radii, below which they do.
+inline constexpr float kNearlyTouching = 1.005f;
 
 struct Kernels {
   // Velocities take up the impulses kept from the last substep.
   void (*applyKept)(PairSlab& slab, Body* body, const PassSettings& settings);
   // One pass: impulses that stop approach and sliding, then a shift that undoes overlap.
   void (*relax)(PairSlab& slab, Body* body, const Entity* entity, const PassSettings& settings);
-  // Writes the slots in [begin, end) within reach of `slot`, in order, and returns how many they
-  // are; may write kMostLanes - 1 more than that.
-  uint32_t (*scan)(const Reaches& grains, uint32_t slot, uint32_t begin, uint32_t end,
-                   uint32_t* hits);
+  // Writes the grains of the ranges within reach of `slot`, in order, and returns how many they
+  // are; may write kMostLanes more than that.
+  uint32_t (*scan)(const Reaches& grains, uint32_t slot, const SlotRange* range,
+                   uint32_t range_count, uint32_t* hits);
 };
 extern const Kernels kBaselineKernels;
 // Null where this processor or compiler has no wider set.

@@ -64,6 +64,27 @@ inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, 
   put(3, _mm256_shuffle_ps(xy_high, zw_high, 0xee));
 }
 
+// By eight bits: which they are, in order.
+inline constexpr auto kLanesOf = [] {
+  std::array<std::array<uint8_t, 8>, 256> lanes{};
+  for (unsigned set = 0; set < 256; ++set)
+    for (unsigned lane = 0, n = 0; lane < 8; ++lane)
+      if ((set >> lane & 1) != 0) lanes[set][n++] = static_cast<uint8_t>(lane);
+  return lanes;
+}();
+// Writes first + k for the lanes k of `within`, in order, with the top bit where the mask is set;
+// returns how many they are, and writes eight.
+inline uint32_t pack(uint32_t first, Float8 mask, unsigned within, uint32_t* out) {
+  const __m256i index = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(first)),
+                                         _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+  const __m256i top = _mm256_slli_epi32(_mm256_castps_si256(mask.v), 31);
+  const __m256i lanes = _mm256_cvtepu8_epi32(
+      _mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLanesOf[within].data())));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out),
+                      _mm256_permutevar8x32_epi32(_mm256_or_si256(index, top), lanes));
+  return static_cast<uint32_t>(std::popcount(within));
+}
+
 #else
 
 struct Float8 {
@@ -117,6 +138,16 @@ inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, 
   put(0, x.a), put(1, y.a), put(2, z.a), put(3, w.a);
   simd::transpose(x.b, y.b, z.b, w.b);
   put(4, x.b), put(5, y.b), put(6, z.b), put(7, w.b);
+}
+
+inline uint32_t pack(uint32_t first, Float8 mask, unsigned within, uint32_t* out) {
+  const unsigned top = bits(mask);
+  uint32_t count = 0;
+  for (; within != 0; within &= within - 1) {
+    const uint32_t lane = static_cast<uint32_t>(std::countr_zero(within));
+    out[count++] = (first + lane) | (top >> lane & 1) << 31;
+  }
+  return count;
 }
 
 #endif

@@ -11,8 +11,8 @@
 namespace scree::grains {
 namespace {
 
-// Distance of centres in sums of radii, below which a pair counts as touching when it is found.
-constexpr float kNearlyTouching = 1.005f;
+// Of a grain in a slab's found_j.
+uint32_t slotOf(uint32_t found) { return found & ~kNearBit; }
 
 }  // namespace
 
@@ -106,7 +106,7 @@ void PairLists::find(const Grid& grid, const Bodies& bodies, uint32_t s) {
     grid.neighbours(i, own.found_j);
     if (!isAwake(bodies, i))
       own.found_j.erase(std::remove_if(own.found_j.begin() + before, own.found_j.end(),
-                                       [&](uint32_t j) { return !isAwake(bodies, j); }),
+                                       [&](uint32_t j) { return !isAwake(bodies, slotOf(j)); }),
                         own.found_j.end());
     found_end[i] = static_cast<uint32_t>(own.found_j.size());
   }
@@ -127,14 +127,16 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     uint32_t k = 0;
     for (uint32_t i = grid.slabBegin(above); i < grid.slabEnd(above); ++i)
       for (; k < found_end[i]; ++k)
-        if (slab_of[slab[above].found_j[k]] == s) own.foreign.emplace_back(i, slab[above].found_j[k]);
+        if (slab_of[slotOf(slab[above].found_j[k])] == s)
+          own.foreign.emplace_back(i, slab[above].found_j[k]);
   }
-  // Calls visit(k, i, j) for all pairs of this slab, numbered in order.
+  // Calls visit(k, i, found j) for all pairs of this slab, numbered in order.
   const auto eachPair = [&](const auto& visit) {
     uint32_t k = 0, at = 0;
     for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i)
       for (; at < found_end[i]; ++at)
-        if (!grid.mixed() || slab_of[own.found_j[at]] != below) visit(k++, i, own.found_j[at]);
+        if (!grid.mixed() || slab_of[slotOf(own.found_j[at])] != below)
+          visit(k++, i, own.found_j[at]);
     for (const auto& [i, j] : own.foreign) visit(k++, i, j);
     return k;
   };
@@ -148,12 +150,10 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     clear();
     waiting = 0;
     own.colour_count.resize(64 * (round + 1), 0);
-    eachPair([&](uint32_t k, uint32_t i, uint32_t j) {
+    eachPair([&](uint32_t k, uint32_t i, uint32_t found) {
       if (round > 0 && own.colour[k] != kWaits) return;
-      const Body &a = bodies.body[i], &b = bodies.body[j];
-      const vec3 d = a.position - b.position;
-      const float near = kNearlyTouching * (a.radius + b.radius);
-      const int side = d.x * d.x + d.y * d.y + d.z * d.z < near * near ? 0 : 32;
+      const uint32_t j = slotOf(found);
+      const int side = found != j ? 0 : 32;
       const uint32_t free = static_cast<uint32_t>(~(taken[i] | taken[j]) >> side);
       if (free == 0) {
         own.colour[k] = kWaits;
@@ -182,7 +182,8 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     own.i[k] = idle + k % kBatch;
     own.j[k] = idle + kBatch + k % kBatch;
   }
-  eachPair([&](uint32_t k, uint32_t i, uint32_t j) {
+  eachPair([&](uint32_t k, uint32_t i, uint32_t found) {
+    const uint32_t j = slotOf(found);
     const uint32_t contact = own.colour_count[own.colour[k]]++;
     if (!isAwake(bodies, i) || !isAwake(bodies, j)) own.border.push_back(contact);
     own.i[contact] = i;
