@@ -160,6 +160,24 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra) {
   }
 }
 
+bool ColliderLists::misses(uint32_t slot, uint32_t in_slab, vec3 position, float reach) const {
+  const float around = reach + extra_;
+  const Bounds bounds{position - around, position + around};
+  const std::vector<ColliderContact>& listed = slab[in_slab].contact;
+  for (uint32_t k = 0; k < swept_.size(); ++k) {
+    const Swept& swept = swept_[k];
+    if (apart(bounds, swept.bounds) ||
+        !(nearestSurface(swept.begin, position).distance < around + swept.motion))
+      continue;
+    const auto at = std::lower_bound(listed.begin(), listed.end(), std::pair(slot, k),
+                                     [](const ColliderContact& contact, const auto& wanted) {
+                                       return std::pair(contact.grain, contact.collider) < wanted;
+                                     });
+    if (at == listed.end() || at->grain != slot || at->collider != k) return true;
+  }
+  return false;
+}
+
 // The contact of a former slot with a collider in the lists before; null: none.
 const ColliderContact* ColliderLists::formerly(uint32_t slot, uint32_t key, uint32_t slabs) const {
   const auto above = std::upper_bound(

@@ -192,6 +192,8 @@ struct ColliderLists {
   };
   // Notes where the colliders go; true if any is not as it was. Part of build().
   bool sweep(std::span<const Collider> colliders);
+  // Whether a grain of the slab comes within reach of a collider with which it is not listed.
+  bool misses(uint32_t slot, uint32_t in_slab, vec3 position, float reach) const;
   // As swept last, by key.
   std::span<const Swept> swept() const { return swept_; }
   const Swept* sweptLast(const Collider& collider) const;  // null if it was not there, or different

@@ -56,6 +56,10 @@ class Grid {
   // above it, or, if mixed(), the next below.
   void neighbours(uint32_t slot, std::vector<uint32_t>& found) const;
 
+  // Lets the grain be searched for at another place, with another reach; false if it is within reach
+  // of another one there. `met`: working memory.
+  bool moveAlone(uint32_t slot, vec3 position, float reach, std::vector<uint32_t>& met);
+
   size_t memoryBytes() const;
 
  private:

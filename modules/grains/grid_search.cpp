@@ -124,4 +124,17 @@ void Grid::neighbours(uint32_t slot, std::vector<uint32_t>& found) const {
   finder.finish();
 }
 
+bool Grid::moveAlone(uint32_t slot, vec3 position, float reach, std::vector<uint32_t>& met) {
+  x_[slot] = position.x;
+  y_[slot] = position.y;
+  z_[slot] = position.z;
+  reach_[slot] = reach;
+  met.clear();
+  Finder finder(*this, slot, met);
+  finder.look(0, slot);
+  finder.look(slot + 1, bucket_begin_.back());
+  finder.finish();
+  return met.empty();
+}
+
 }  // namespace scree::grains

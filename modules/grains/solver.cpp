@@ -67,7 +67,8 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
 
   for (int substep = 0; substep < substeps; ++substep) {
     ++age_;
-    if (predict(gravity_step, h)) search_due_ = left_margin_ = true;
+    predict(gravity_step, h);
+    if (!strays_.empty() && (search_due_ || !followStrays(h))) search_due_ = left_margin_ = true;
     if (search_due_) searchNeighbours(h);
     if (walls_due_) listColliders(colliders, dt);
     relax(colliders, parameters, h, substep);
@@ -93,28 +94,38 @@ void GrainSolver::readyMasses() {
   }
 }
 
-// Adds gravity; true if some grain may leave its margin within the substep.
-bool GrainSolver::predict(vec3 gravity_step, float h) {
+// Adds gravity, and notes the grains that may leave their margin within the substep.
+void GrainSolver::predict(vec3 gravity_step, float h) {
   const size_t chunks = (bodies_.count + kChunk - 1) / kChunk;
   chunk_flags_.assign(chunks, 0);
   const vec3 drift = drift_ * drift_time_;
+  const auto leaves = [&](size_t k) {
+    const Body& grain = bodies_.body[k];
+    const Reference& reference = bodies_.reference[k];
+    const vec3 strayed = grain.position - reference.position - drift;
+    const vec3 relative = grain.velocity - drift_;
+    const float way = glm::dot(strayed, strayed), next = h * h * glm::dot(relative, relative);
+    // (a + b)^2 <= 2 (a^2 + b^2): hardly any grain needs the roots.
+    return !(2.001f * (way + next) <= reference.margin * reference.margin) &&
+           !(std::sqrt(way) + std::sqrt(next) <= reference.margin);
+  };
   parallelChunks(bodies_.count, kChunk, [&](size_t chunk, size_t begin, size_t end) {
-    bool leaves = false;
+    bool any = false;
     for (size_t k = begin; k < end; ++k) {
       Body& grain = bodies_.body[k];
       grain.velocity_before = grain.velocity;
       grain.velocity += grain.gravity_scale * gravity_step;
-      const Reference& reference = bodies_.reference[k];
-      const vec3 strayed = grain.position - reference.position - drift;
-      const vec3 relative = grain.velocity - drift_;
-      const float way = glm::dot(strayed, strayed), next = h * h * glm::dot(relative, relative);
-      // (a + b)^2 <= 2 (a^2 + b^2): hardly any grain needs the roots.
-      if (2.001f * (way + next) <= reference.margin * reference.margin) continue;
-      leaves = leaves || !(std::sqrt(way) + std::sqrt(next) <= reference.margin);
+      any = leaves(k) || any;
     }
-    chunk_flags_[chunk] = leaves;
+    chunk_flags_[chunk] = any;
   });
-  return std::any_of(chunk_flags_.begin(), chunk_flags_.end(), [](uint8_t f) { return f != 0; });
+  strays_.clear();
+  for (size_t chunk = 0; chunk < chunks; ++chunk) {
+    if (chunk_flags_[chunk] == 0) continue;
+    const size_t end = std::min<size_t>(bodies_.count, (chunk + 1) * kChunk);
+    for (size_t k = chunk * kChunk; k < end; ++k)
+      if (leaves(k)) strays_.push_back(static_cast<uint32_t>(k));
+  }
 }
 
 void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& parameters, float h,

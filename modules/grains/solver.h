@@ -96,13 +96,15 @@ class GrainSolver {
   // Searches, in solver_search.cpp.
   void gatherNear(float h);
   void chooseMargins(float h);
+  float marginOf(const Body& grain, float h) const;
+  bool followStrays(float h);
   void searchNeighbours(float h);
   void joinWoken();
   void listColliders(std::span<const Collider> colliders, float dt);
 
   void readyMasses();
   void shareHeavyLoads();
-  bool predict(vec3 gravity_step, float h);
+  void predict(vec3 gravity_step, float h);
   void relax(std::span<Collider> colliders, const StepParameters& parameters, float h, int substep);
   void bounce();
   void collectLoads(std::span<Collider> colliders, bool last_substep);
@@ -130,6 +132,8 @@ class GrainSolver {
   std::vector<float> margin_;     // by slot, m
   std::vector<PosedCollider> posed_;  // at the substep's begin
   std::vector<uint8_t> chunk_flags_;
+  std::vector<uint32_t> strays_;  // slots that may leave their margin within the substep
+  std::vector<uint32_t> met_;     // by a stray
   // Of sleep.
   std::vector<uint32_t> waking_;  // berths
   std::vector<uint32_t> partners_, falling_;

@@ -250,7 +250,8 @@ size_t GrainSolver::memoryBytes() const {
          walls_.memoryBytes() + sleepers_.memoryBytes() +
          4 * (order_.capacity() + before_.capacity() + before_sort_.capacity() + moved_.capacity() +
               slot_of_.capacity() + margin_.capacity() + place_.capacity() + waking_.capacity() +
-              partners_.capacity() + falling_.capacity()) +
+              partners_.capacity() + falling_.capacity() + strays_.capacity() +
+              met_.capacity()) +
          awake_.capacity() * sizeof(AwakeRow) + settled_.capacity() +
          load_.capacity() * sizeof(Load) + woken_pairs_.capacity() * sizeof(WokenPair) +
          woken_walls_.capacity() * sizeof(WokenWall) +

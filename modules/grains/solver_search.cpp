@@ -49,12 +49,39 @@ void GrainSolver::chooseMargins(float h) {
   left_margin_ = false;
   age_ = 0;
   listed_awake_ = n;
-  for (uint32_t k = 0; k < n; ++k) {
-    const Body& grain = bodies_.body[k];
+  for (uint32_t k = 0; k < n; ++k) margin_[k] = marginOf(bodies_.body[k], h);
+}
+
+float GrainSolver::marginOf(const Body& grain, float h) const {
+  const vec3 relative = grain.velocity - drift_;
+  const float speed = std::sqrt(glm::dot(relative, relative));
+  return std::min(least_margin_ * grain.radius + lifetime_ * h * speed, 4 * grain.radius);
+}
+
+// One fast grain in free flight would call for a search of all every other substep. Where a stray
+// has come to nothing that is not listed, its margin is laid around where it is now, and the lists
+// stay as they are. False if a search is due.
+bool GrainSolver::followStrays(float h) {
+  constexpr size_t kMostStrays = 16;  // each is tested against all bodies
+  if (strays_.size() > kMostStrays) return false;
+  for (const uint32_t slot : strays_) {
+    const Body& grain = bodies_.body[slot];
+    const Reference reference{grain.position - drift_ * drift_time_, marginOf(grain, h)};
     const vec3 relative = grain.velocity - drift_;
-    const float speed = std::sqrt(glm::dot(relative, relative));
-    margin_[k] = std::min(least_margin_ * grain.radius + lifetime_ * h * speed, 4 * grain.radius);
+    if (!(h * std::sqrt(glm::dot(relative, relative)) <= reference.margin)) return false;
+    const float reach = grain.radius + reference.margin;
+    if (!grid_.moveAlone(slot, reference.position, reach, met_)) return false;
+    bool meets = walls_.misses(slot, pairs_.slab_of[slot], grain.position, reach);
+    sleepers_.near(grain.position - reach, grain.position + reach, [&](uint32_t berth) {
+      const Sleeper& sleeper = sleepers_[berth];
+      const vec3 d = sleeper.position - grain.position;
+      const float sum = reach + sleeper.radius;
+      meets = meets || (sleeper.slot == kNoSlot && glm::dot(d, d) < sum * sum);
+    });
+    if (meets) return false;
+    bodies_.reference[slot] = reference;
   }
+  return true;
 }
 
 // Keeps the bodies awake, chooses their margins, and adds the sleepers within reach.

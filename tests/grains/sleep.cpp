@@ -132,7 +132,7 @@ TEST(Sleep, RowsAsLeftNeedNotBeRead) {
     bed.addBox({-2, 0.2f, 0}, {0.02f, 0.15f, 0.2f}, 0.5f);
     uint64_t sum = 0;
     size_t some = 0;
-    for (int tick = 0; tick < 900; ++tick) {
+    for (int tick = 0; tick < 1000; ++tick) {
       Collider& rake = bed.colliders.back();
       rake.position0 = rake.position1;
       if (tick > 400) rake.position1.x += 0.006f;
