@@ -38,21 +38,25 @@ uint32_t Sleepers::bucketRow(int level, int32_t y, int32_t z) {
   return h ^ h >> 15;
 }
 
-uint32_t Sleepers::bucketOf(const Sleeper& sleeper) const {
-  const double inverse = std::ldexp(1.0, -(sleeper.level + kLowestLevel));
-  const vec3 p = sleeper.position;
-  const uint32_t row = bucketRow(sleeper.level, cellOf(p.y, inverse), cellOf(p.z, inverse));
+uint32_t Sleepers::bucketOf(const Spot& spot) const {
+  const double inverse = std::ldexp(1.0, -(spot.level + kLowestLevel));
+  const vec3 p = spot.position;
+  const uint32_t row = bucketRow(spot.level, cellOf(p.y, inverse), cellOf(p.z, inverse));
   return (row + static_cast<uint32_t>(cellOf(p.x, inverse))) &
          static_cast<uint32_t>(bucket_.size() - 1);
 }
 
+void Sleepers::putInBucket(uint32_t berth) {
+  const uint32_t bucket = bucketOf(spot_[berth]);
+  spot_[berth].next = bucket_[bucket];
+  bucket_[bucket] = berth;
+  occupied_[bucket / 64] |= uint64_t{1} << bucket % 64;
+}
+
 void Sleepers::growTable() {
   bucket_.assign(std::max<size_t>(256, 2 * bucket_.size()), kNoSlot);
-  each([&](uint32_t berth) {
-    uint32_t& first = bucket_[bucketOf(sleeper_[berth])];
-    sleeper_[berth].next = first;
-    first = berth;
-  });
+  occupied_.assign(bucket_.size() / 64, 0);
+  each([&](uint32_t berth) { putInBucket(berth); });
 }
 
 uint32_t Sleepers::lay(const Sleeper& sleeper) {
@@ -60,19 +64,19 @@ uint32_t Sleepers::lay(const Sleeper& sleeper) {
   if (berth == kNoSlot) {
     berth = static_cast<uint32_t>(sleeper_.size());
     sleeper_.emplace_back();
+    spot_.emplace_back();
   } else {
-    free_ = sleeper_[berth].next;
+    free_ = spot_[berth].next;
   }
   Sleeper& own = sleeper_[berth] = sleeper;
-  own.level = levelOf(own.radius);
-  own.pairs = own.walls = own.next = own.slot_before = kNoSlot;
-  ++members_[static_cast<size_t>(own.level)];
+  own.pairs = own.walls = own.slot_before = kNoSlot;
+  const int level = levelOf(own.radius);
+  spot_[berth] = {own.position, own.radius, kNoSlot, level};
+  ++members_[static_cast<size_t>(level)];
   if (++count_ > bucket_.size() / 2) {
     growTable();  // finds this one too
   } else {
-    uint32_t& first = bucket_[bucketOf(own)];
-    own.next = first;
-    first = berth;
+    putInBucket(berth);
   }
   return berth;
 }
@@ -221,20 +225,25 @@ void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<W
     --contacts_;
     if (load.contacts == 0) wall_load_.erase(wall_load_.begin() + (&load - wall_load_.data()));
   }
-  uint32_t* link = &bucket_[bucketOf(own)];
-  while (*link != berth) link = &sleeper_[*link].next;
-  *link = own.next;
-  --members_[static_cast<size_t>(own.level)];
+  Spot& spot = spot_[berth];
+  const uint32_t bucket = bucketOf(spot);
+  uint32_t* link = &bucket_[bucket];
+  while (*link != berth) link = &spot_[*link].next;
+  *link = spot.next;
+  if (bucket_[bucket] == kNoSlot) occupied_[bucket / 64] &= ~(uint64_t{1} << bucket % 64);
+  --members_[static_cast<size_t>(spot.level)];
   --count_;
   own = Sleeper{};
-  own.next = free_;
+  spot = Spot{};
+  spot.next = free_;
   free_ = berth;
 }
 
 size_t Sleepers::memoryBytes() const {
-  return sleeper_.capacity() * sizeof(Sleeper) + pair_.node.capacity() * sizeof(PairNode) +
-         wall_.node.capacity() * sizeof(WallNode) + wall_load_.capacity() * sizeof(WallLoad) +
-         bucket_.capacity() * sizeof(uint32_t);
+  return sleeper_.capacity() * sizeof(Sleeper) + spot_.capacity() * sizeof(Spot) +
+         pair_.node.capacity() * sizeof(PairNode) + wall_.node.capacity() * sizeof(WallNode) +
+         wall_load_.capacity() * sizeof(WallLoad) + bucket_.capacity() * sizeof(uint32_t) +
+         occupied_.capacity() * sizeof(uint64_t);
 }
 
 }  // namespace scree::grains

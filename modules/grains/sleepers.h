@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -41,11 +42,8 @@ struct Sleeper {
   float radius = 0;  // 0: nobody's berth
   uint32_t slot = kNoSlot;  // among the solver's bodies, if it lies near a grain awake
   uint32_t slot_before = kNoSlot;  // working memory of the solver
-  // Lists of Sleepers: next in its bucket, or next free berth; first contacts.
-  uint32_t next = kNoSlot;
-  int32_t level = 0;
   bool propped = false;  // a contact with a grain awake bears on it
-  uint32_t pairs = kNoSlot, walls = kNoSlot;
+  uint32_t pairs = kNoSlot, walls = kNoSlot;  // first contacts in the lists of Sleepers
   uint32_t row = 0;
   Entity entity;
   GrainMaterial material;
@@ -70,6 +68,15 @@ class Sleepers {
   // A berth is a sleeper's place in here; it keeps it until it wakes.
   Sleeper& operator[](uint32_t berth) { return sleeper_[berth]; }
   const Sleeper& operator[](uint32_t berth) const { return sleeper_[berth]; }
+  // Where a sleeper lies, apart from all else that is known of it: most of those that a search looks
+  // up turn out not to be near.
+  struct Spot {
+    vec3 position{0};
+    float radius = 0;
+    uint32_t next = kNoSlot;  // berth in its bucket; of a berth that is nobody's: the next such
+    int32_t level = 0;
+  };
+  const Spot& spot(uint32_t berth) const { return spot_[berth]; }
   template <class Visit>
   void each(const Visit& visit) const {
     for (uint32_t berth = 0; berth < sleeper_.size(); ++berth)
@@ -130,17 +137,20 @@ class Sleepers {
   static int levelOf(float radius);
   // Of the cells along x: bucket_[(bucketRow + x) & mask].
   static uint32_t bucketRow(int level, int32_t y, int32_t z);
-  uint32_t bucketOf(const Sleeper& sleeper) const;
+  uint32_t bucketOf(const Spot& spot) const;
+  void putInBucket(uint32_t berth);
   void growTable();
   void insertPair(uint32_t owner, const PairNode& node);
   WallLoad& wallLoad(uint32_t key);
 
   std::vector<Sleeper> sleeper_;
+  std::vector<Spot> spot_;
   uint32_t free_ = kNoSlot, count_ = 0, contacts_ = 0;
   Pool<PairNode> pair_;
   Pool<WallNode> wall_;
   std::vector<WallLoad> wall_load_;  // by key
   std::vector<uint32_t> bucket_;     // first berth
+  std::vector<uint64_t> occupied_;   // a bit a bucket: not empty
   // Cells of level l are 2^(l + kLowestLevel) m wide: at least a diameter of those in them.
   static constexpr int kLowestLevel = -16, kLevels = 32;
   std::array<uint32_t, kLevels> members_{};
@@ -163,18 +173,28 @@ void Sleepers::near(vec3 low, vec3 high, const Visit& visit) const {
     }
     if (!(cells <= 2.0 * members + 64)) {
       each([&](uint32_t berth) {
-        if (sleeper_[berth].level == level) visit(berth);
+        if (spot_[berth].level == level) visit(berth);
       });
       continue;
     }
     const uint32_t mask = static_cast<uint32_t>(bucket_.size() - 1);
     for (int32_t z = from[2]; z <= to[2]; ++z)
       for (int32_t y = from[1]; y <= to[1]; ++y) {
-        const uint32_t row = bucketRow(level, y, z);
-        for (int32_t x = from[0]; x <= to[0]; ++x)
-          for (uint32_t berth = bucket_[(row + static_cast<uint32_t>(x)) & mask]; berth != kNoSlot;
-               berth = sleeper_[berth].next)
-            if (sleeper_[berth].level == level) visit(berth);
+        // Most cells are empty: whole words of them are passed over at once.
+        uint32_t bucket = bucketRow(level, y, z) + static_cast<uint32_t>(from[0]);
+        uint32_t left = static_cast<uint32_t>(to[0] - from[0]) + 1;
+        while (left > 0) {
+          bucket &= mask;
+          const uint32_t shift = bucket % 64, run = std::min(left, 64 - shift);
+          uint64_t full = occupied_[bucket / 64] >> shift;
+          if (run < 64) full &= (uint64_t{1} << run) - 1;
+          for (; full != 0; full &= full - 1)
+            for (uint32_t berth = bucket_[bucket + static_cast<uint32_t>(std::countr_zero(full))];
+                 berth != kNoSlot; berth = spot_[berth].next)
+              if (spot_[berth].level == level) visit(berth);
+          bucket += run;
+          left -= run;
+        }
       }
   }
 }

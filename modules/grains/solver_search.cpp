@@ -73,10 +73,10 @@ bool GrainSolver::followStrays(float h) {
     if (!grid_.moveAlone(slot, reference.position, reach, met_)) return false;
     bool meets = walls_.misses(slot, pairs_.slab_of[slot], grain.position, reach);
     sleepers_.near(grain.position - reach, grain.position + reach, [&](uint32_t berth) {
-      const Sleeper& sleeper = sleepers_[berth];
-      const vec3 d = sleeper.position - grain.position;
-      const float sum = reach + sleeper.radius;
-      meets = meets || (sleeper.slot == kNoSlot && glm::dot(d, d) < sum * sum);
+      const Sleepers::Spot& spot = sleepers_.spot(berth);
+      const vec3 d = spot.position - grain.position;
+      const float sum = reach + spot.radius;
+      meets = meets || (glm::dot(d, d) < sum * sum && sleepers_[berth].slot == kNoSlot);
     });
     if (meets) return false;
     bodies_.reference[slot] = reference;
@@ -122,8 +122,10 @@ void GrainSolver::gatherNear(float h) {
     while (k < n && company.admits(bodies_.body[k], margin_[k])) ++k;
     company.close();
     sleepers_.near(company.low(), company.high(), [&](uint32_t berth) {
+      const Sleepers::Spot& spot = sleepers_.spot(berth);
+      if (!company.reaches(spot.position, spot.radius)) return;
       Sleeper& sleeper = sleepers_[berth];
-      if (sleeper.slot != kNoSlot || !company.reaches(sleeper.position, sleeper.radius)) return;
+      if (sleeper.slot != kNoSlot) return;
       sleeper.slot = appendBody(sleeper.entity, sleeper.material, sleeper.position, sleeper.radius);
       bodies_.berth[sleeper.slot] = berth;
       bodies_.body[sleeper.slot].inverse_mass = 0;
