@@ -39,12 +39,12 @@ int threadCount() {
 }
 
 void parallelChunks(size_t count, size_t chunk_size,
-                    const std::function<void(size_t, size_t, size_t)>& body) {
+                    const std::function<void(size_t, size_t, size_t)>& body, Worth worth) {
   const size_t chunks = (count + chunk_size - 1) / chunk_size;
   const auto run = [&](size_t chunk) {
     body(chunk, chunk * chunk_size, std::min(count, (chunk + 1) * chunk_size));
   };
-  if (chunks <= 1 || threadCount() == 1) {
+  if (chunks <= 1 || worth == Worth::OneThread || threadCount() == 1) {
     for (size_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
     return;
   }

@@ -11,10 +11,14 @@ namespace scree {
 void setThreadCount(int count);
 int threadCount();
 
+// Whether a loop is long enough for more than one thread: to wake one costs some 10 us.
+enum class Worth { Threads, OneThread };
+
 // Calls body(chunk, begin, end) for every chunk of `chunk_size` items of [0, count), in any order
-// and on any thread; chunk boundaries depend only on count and chunk_size. With one thread, or one
-// chunk, the calls are made in order on the caller's thread.
+// and on any thread; chunk boundaries depend only on count and chunk_size. With one thread, with
+// one chunk, or if no more are worth it, the calls are made in order on the caller's thread.
 void parallelChunks(size_t count, size_t chunk_size,
-                    const std::function<void(size_t chunk, size_t begin, size_t end)>& body);
+                    const std::function<void(size_t chunk, size_t begin, size_t end)>& body,
+                    Worth worth = Worth::Threads);
 
 }  // namespace scree

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/core/math.h"
+#include "engine/core/parallel.h"
 #include "engine/ecs/entity.h"
 #include "modules/grains/grains.h"
 
@@ -52,6 +53,11 @@ inline bool isAwake(const Bodies& bodies, uint32_t slot) {
 inline bool isAsleep(const Bodies& bodies, uint32_t slot) {
   return !isAwake(bodies, slot) && bodies.berth[slot] != kGone;
 }
+
+// Loops over fewer than these are over before a second thread has woken: pairs of a pass, grains of a
+// search. No result depends on them.
+inline constexpr size_t kFewPairs = 2048, kFewGrains = 512;
+inline Worth worthOf(size_t n, size_t few) { return n < few ? Worth::OneThread : Worth::Threads; }
 
 // Impulses on a grain in a substep.
 struct Load {

@@ -102,7 +102,7 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
         contact.normal = at->normal;
       }
     }
-  });
+  }, worthOf(bodies.count, kFewGrains));
 }
 
 void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra) {

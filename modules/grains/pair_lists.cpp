@@ -31,11 +31,13 @@ void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& o
     bouncing = bouncing || material.restitution > 0;
   }
   rolling = rolling || bouncing;
-  parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) { find(grid, bodies, uint32_t(s)); });
+  const Worth worth = worthOf(bodies.count, kFewGrains);
+  parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) { find(grid, bodies, uint32_t(s)); },
+                 worth);
   parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
     batch(grid, bodies, uint32_t(s));
     fill(uint32_t(s), bodies);
-  });
+  }, worth);
   pair_count = 0;
   for (uint32_t s = 0; s < slab_count; ++s) pair_count += slab[s].found_j.size();
 }
@@ -53,6 +55,7 @@ void PairLists::keep(const PairLists& old, std::span<const uint32_t> before,
   for (uint32_t k = 0; k < n; ++k)
     if (before[k] != kNoSlot) slot_now_[before[k]] = k;
 
+  const Worth worth = worthOf(n, kFewGrains);
   const auto eachContact = [&](const auto& visit) {
     parallelChunks(old.slab_count, 1, [&](size_t s, size_t, size_t) {
       const PairSlab& from = old.slab[s];
@@ -61,9 +64,9 @@ void PairLists::keep(const PairLists& old, std::span<const uint32_t> before,
         const uint32_t i = slot_now_[from.i[c]], j = slot_now_[from.j[c]];
         if (i != kNoSlot && j != kNoSlot) visit(from, c, i, j);
       }
-    });
+    }, worth);
   };
-  const bool alone = threadCount() == 1;
+  const bool alone = threadCount() == 1 || worth == Worth::OneThread;
   const auto next = [&](uint32_t slot) {
     uint32_t& counter = kept_.begin[slot];
     return alone ? counter++ : std::atomic_ref(counter).fetch_add(1, std::memory_order_relaxed);

@@ -12,7 +12,7 @@ namespace scree::grains {
 namespace {
 
 // Grains a task of the loops over all grains.
-constexpr size_t kChunk = 2048;
+constexpr size_t kChunk = 8192;
 
 }  // namespace
 
@@ -147,13 +147,14 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
 
   Body* body = bodies_.body.data();
   const uint32_t slabs = pairs_.slab_count;
+  const Worth worth = worthOf(pairs_.pair_count, kFewPairs);
   const auto alternate = [&](int first, const auto& visit) {
     for (uint32_t turn = 0; turn < 2; ++turn) {
       const size_t parity = (static_cast<uint32_t>(first) + turn) & 1;
       parallelChunks(slabs / 2, 1, [&](size_t s, size_t, size_t) {
         const size_t at = 2 * s + parity;
         visit(pairs_.slab[at], walls_.slab[at]);
-      });
+      }, worth);
     }
   };
   alternate(0, [&](PairSlab& pairs, ColliderSlab& walls) {
@@ -175,7 +176,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
   settings.tolerated = settings.bounce_speed;
   parallelChunks(slabs, 4, [&](size_t, size_t begin, size_t end) {
     for (size_t s = begin; s < end; ++s) relaxColliders(walls_.slab[s], body, posed_, settings);
-  });
+  }, worth);
   bounce();
 }
 

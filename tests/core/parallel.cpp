@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <set>
+#include <thread>
 #include <tuple>
 #include <vector>
 
@@ -43,6 +44,21 @@ TEST_F(Parallel, OneThreadRunsInOrderOnTheCaller) {
   setThreadCount(1);
   std::vector<size_t> order;  // unprotected: only this thread may touch it
   parallelChunks(100, 3, [&](size_t chunk, size_t, size_t) { order.push_back(chunk); });
+  ASSERT_EQ(order.size(), 34u);
+  for (size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], i);
+}
+
+TEST_F(Parallel, WhatIsNotWorthThreadsRunsInOrderOnTheCaller) {
+  setThreadCount(4);
+  std::vector<size_t> order;  // unprotected: only this thread may touch it
+  const auto caller = std::this_thread::get_id();
+  parallelChunks(
+      100, 3,
+      [&](size_t chunk, size_t, size_t) {
+        EXPECT_EQ(std::this_thread::get_id(), caller);
+        order.push_back(chunk);
+      },
+      Worth::OneThread);
   ASSERT_EQ(order.size(), 34u);
   for (size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], i);
 }

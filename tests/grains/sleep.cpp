@@ -3,6 +3,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cstring>
 
 #include "engine/core/parallel.h"
@@ -251,10 +252,11 @@ TEST(Sleep, IsTheSameForEveryThreadCountAndOrderOfRows) {
   uint64_t want = 0;
   for (const int run : {0, 1, 2, 3}) {
     setThreadCount(run == 3 ? 1 : 1 << run);
-    Bed bed(6, 5);
+    Bed bed(12, 5);
     bed.rest.resize(bed.grain.size());
     const size_t n = bed.grain.size();
     uint64_t sum = 0;
+    uint32_t most_pairs = 0;
     for (int tick = 0; tick < 400; ++tick) {
       if (run == 3) {
         for (size_t k = n - 1; k > 0; --k) {
@@ -271,8 +273,10 @@ TEST(Sleep, IsTheSameForEveryThreadCountAndOrderOfRows) {
       }
       bed.step();
       sum = hashCombine(sum, bed.hashWithRest());
+      most_pairs = std::max(most_pairs, bed.solver.stats().pairs);
     }
     EXPECT_GT(bed.asleep(), 0u);
+    EXPECT_GT(most_pairs, kFewPairs);  // else threads have nothing to do
     if (run == 0) want = sum;
     EXPECT_EQ(sum, want) << "run " << run;
   }
