@@ -20,6 +20,8 @@ void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCo
     contact.normal = near.normal;
     contact.offset = glm::dot(near.normal, on_surface);
     contact.flat = near.flat;
+    contact.mass = 1 / body[contact.grain].inverse_mass;
+    contact.spin_factor = spinFactor(body[contact.grain]);
     contact.surface_velocity = velocityAt(collider, on_surface) + collider.surface_velocity;
     contact.surface_spin = collider.spin;
   }
@@ -36,7 +38,7 @@ void applyKeptColliders(ColliderSlab& slab, Body* body) {
     contact.trust = kept ? 1.0f : 0.0f;
     Body& grain = body[contact.grain];
     grain.velocity += grain.inverse_mass * contact.impulse;
-    grain.spin += spinFactor(grain) * (contact.rolling / grain.radius -
+    grain.spin += contact.spin_factor * (contact.rolling / grain.radius -
                                         glm::cross(contact.normal, contact.impulse));
   }
 }
@@ -72,7 +74,7 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
     const float gap = glm::dot(normal, grain.position) - contact.offset - grain.radius;
     const vec3 u = grain.velocity - contact.surface_velocity;
     const float un = glm::dot(u, normal), old_n = glm::dot(contact.impulse, normal);
-    const float mass = 1 / grain.inverse_mass;
+    const float mass = contact.mass;
     const float asked =
         contact.approach > 0 ? contact.approach : -std::max(gap, 0.0f) * settings.inverse_h;
     if (settings.tolerated > 0 && un - asked > -settings.tolerated) continue;
@@ -105,7 +107,7 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
     const vec3 next =
         next_n * normal + std::min(1.0f, contact.friction * next_n / size) * wish;
     grain.velocity += grain.inverse_mass * (next - contact.impulse);
-    const float spin_factor = spinFactor(grain);
+    const float spin_factor = contact.spin_factor;
     grain.spin -= spin_factor * glm::cross(normal, next - contact.impulse);
     contact.impulse = next;
     if (contact.rolling_friction > 0) {

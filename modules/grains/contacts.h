@@ -155,6 +155,7 @@ struct ColliderContact {
   vec3 normal{0};
   float offset = 0;
   float flat = 0;  // SurfacePoint::flat
+  float mass = 0, spin_factor = 0;  // of the grain: divided once for all passes
   vec3 surface_velocity{0};
   vec3 surface_spin{0};
 };
