@@ -1,11 +1,40 @@
 // The two steps of a run: a tick of the simulation, and a rendered frame.
 #include "engine/app/app.h"
 
+#include <exception>
+
 #include "engine/app/app_state.h"
 #include "engine/core/parallel.h"
 #include "shaders/shared/jitter.h"
 
 namespace scree {
+
+// Whatever ends the passes, the ticks beside them end before anything of theirs goes.
+class App::TicksBeside {
+ public:
+  explicit TicksBeside(State* state) : state_(state) {
+    if (state_) state_->drawing = true;
+  }
+  ~TicksBeside() noexcept(false) {
+    if (!state_) return;
+    state_->drawing = false;
+    state_->drawing.notify_all();
+    if (std::uncaught_exceptions() == exceptions_) {
+      state_->beside.wait();
+      return;
+    }
+    try {
+      state_->beside.wait();
+    } catch (...) {  // what ended the passes goes on; one exception is enough
+    }
+  }
+  TicksBeside(const TicksBeside&) = delete;
+  TicksBeside& operator=(const TicksBeside&) = delete;
+
+ private:
+  State* state_;
+  int exceptions_ = std::uncaught_exceptions();
+};
 
 App::App(AppOptions options) : state_(std::make_unique<State>()) {
   setThreadCount(options.threads);
@@ -36,6 +65,8 @@ void App::addGauge(std::string name, std::function<double()> read) {
   state_->gauges.push_back({std::move(name), std::move(read)});
 }
 
+void App::waitForPasses() { state_->drawing.wait(true); }
+
 void App::tick() {
   World& world = state_->world;
   world.singleton<Tick>().index = ++state_->tick;
@@ -60,11 +91,11 @@ void App::render(ivec2 size, float alpha, float motion_scale, int samples,
     input.sample = sample;
     input.jitter_px = rules::jitterOffset(static_cast<uint32_t>(sample));
     state_->schedule.run(Phase::Prepare, world);
-    const bool last = sample + 1 == samples;
+    const bool with_ticks = meanwhile && sample + 1 == samples;
+    const TicksBeside ticks(with_ticks ? state_.get() : nullptr);
     state_->frame.run(input, [&] {
-      if (last && meanwhile) state_->beside.start(meanwhile);
+      if (with_ticks) state_->beside.start(meanwhile);
     });
-    if (last) state_->beside.wait();
   }
 }
 

@@ -58,8 +58,8 @@ class App {
   void addGauge(std::string name, std::function<double()> read);
 
   // Advances the simulation by one tick: Phase::Input, then Phase::Simulate. In a run that may be
-  // beside the passes of the frame before: meshes, materials and what else passes read are made
-  // before the run, or in Phase::Animate or Phase::Prepare.
+  // beside the passes of the frame before: a system that makes meshes, materials or what else passes
+  // read calls waitForPasses() first.
   void tick();
   // Renders one frame of the current state into Frame::kOutput: Phase::Animate, then, for each of
   // `samples` sub-pixel offsets (1 = one sample at the pixel's centre), Phase::Prepare and the
@@ -69,6 +69,8 @@ class App {
   void render(ivec2 size, float alpha = 1.0f, float motion_scale = 1.0f, int samples = 1,
               const std::function<void()>& meanwhile = {});
   uint64_t tickIndex() const;
+  // For systems of a tick: returns when no pass is drawing beside it, nor will before its end.
+  void waitForPasses();
 
   // Runs until quit, the replay's end, or the tick limit: opens the context if anything is to be
   // drawn, reads input or the replay, ticks, renders, captures, and writes what the options ask for.
@@ -76,6 +78,7 @@ class App {
 
  private:
   friend class Run;
+  class TicksBeside;
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -1,6 +1,7 @@
 // What an App owns; only engine/app includes this.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct App::State {
   std::vector<Gauge> gauges;
   uint64_t tick = 0;
   uint64_t rendered_frames = 0;
-  Background beside;  // the ticks beside a frame's passes
+  std::atomic<bool> drawing = false;  // passes run beside ticks
+  Background beside;                  // these ticks
 };
 
 }  // namespace scree

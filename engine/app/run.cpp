@@ -180,7 +180,7 @@ class Run {
     // rather than drawing fewer still.
     FixedStep step(kTickSeconds, 3);
     RawInput input;
-    double last = now(), last_frame = last, last_reload = last;
+    double last = now(), last_reload = last, last_shown = 0;
     while (!ended() && !state_.context->shouldClose()) {
       input.events.clear();
       state_.context->poll(input);
@@ -197,14 +197,15 @@ class Run {
         usleep(10'000);
         continue;
       }
-      const double frame_s = time - last_frame;
-      last_frame = time;
       if (time - last_reload > kReloadInterval) {
         last_reload = time;
         gpu::reloadPrograms();
       }
       const bool paused = app_.world().singleton<Simulation>().paused;
-      const auto motion = static_cast<float>(frame_s / kTickSeconds);
+      // How far the simulation has come since the frame before.
+      const double shown = static_cast<double>(app_.tickIndex()) + static_cast<double>(alpha);
+      const auto motion = static_cast<float>(shown - last_shown);
+      last_shown = shown;
       const ivec2 size = state_.context->framebufferSize();
       render(size, paused ? 1.0f : alpha,
              paused ? 0.0f : std::clamp(motion, 0.0f, kMaxMotionScale), 1, catch_up);

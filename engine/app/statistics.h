@@ -25,8 +25,8 @@ class Statistics {
  public:
   // After each tick: the CPU times of the systems that ran, and the tick's own, milliseconds.
   void addTick(const Schedule& schedule, double tick_ms);
-  // After each rendered frame: the same of its systems, the passes' times, the frame's own, and what
-  // the GPU was asked for.
+  // After each rendered frame: the same of its systems, the passes' times, the frame's own (with the
+  // wait for ticks beside it), and what the GPU was asked for.
   void addFrame(const Schedule& schedule, const Frame& frame, double frame_ms,
                 const gpu::Counters& work);
 

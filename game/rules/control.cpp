@@ -32,7 +32,8 @@ Status loadLevel(World& world, const std::filesystem::path& path) {
   return Done{};
 }
 
-void control(World& world) {
+void control(App& app) {
+  World& world = app.world();
   const ActionState& actions = world.singleton<const ActionState>();
   const Controls& controls = world.singleton<const Controls>();
   if (actions.pressed(controls.quit)) world.singleton<QuitRequest>().requested = true;
@@ -44,6 +45,7 @@ void control(World& world) {
   if (actions.pressed(controls.pause)) simulation.paused = !simulation.paused;
   if (actions.pressed(controls.restart)) {
     simulation.paused = false;
+    app.waitForPasses();
     world.clear();
     // The file was good when the run began; if it no longer is, the run ends rather than going on
     // in an empty world.
@@ -78,7 +80,7 @@ Status addRules(App& app, const std::filesystem::path& level) {
   World& world = app.world();
   world.singleton<Level>().path = level;
   if (Status status = loadLevel(world, level); !status.ok()) return status;
-  app.addSystem({.name = "hourglass.control", .phase = Phase::Input, .run = control});
+  app.addSystem({.name = "hourglass.control", .phase = Phase::Input, .run = [&app](World&) { control(app); }});
   addCreature(app);
   return Done{};
 }

@@ -64,6 +64,7 @@ void run(DeferredState& state) {
   const Sun sun = findSun(state);
   world.singleton<Sun>() = sun;
   world.singleton<ShadowCasters>().spheres.clear();
+  if (!state.batches.any()) state.batches.forget();
   state.shadow_settings = world.singleton<const ShadowSettings>();
   state.exposure = world.singleton<const Exposure>().scale;
 

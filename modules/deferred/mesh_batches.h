@@ -42,6 +42,8 @@ class MeshBatches {
 
   // True if the world has a mesh instance.
   bool any() const { return !query_.empty(); }
+  // Without mesh instances there is no update: what is kept would be of an earlier scene.
+  void forget() { opaque_count_ = still_count_ = moving_count_ = 0; }
   // Culls and counts; appends the casters' spheres to `casters` if there is a sun. Rows are grouped
   // anew only when MeshInstance values or the set of rows changed.
   void update(World& world, const FrameInput& input, const View& view, bool sun,
@@ -53,8 +55,7 @@ class MeshBatches {
   void writeOpaque(std::span<rules::MeshInstanceRecord> records) const;
   // Batches that cast shadows, in view or not: of what stands still, or of what moves this frame.
   std::span<const MeshBatch> casting(bool still) const { return still ? casting_still_ : casting_moving_; }
-  // Without mesh instances nothing is gathered, and what is kept here is of an earlier scene.
-  size_t castingCount(bool still) const { return !any() ? 0 : still ? still_count_ : moving_count_; }
+  size_t castingCount(bool still) const { return still ? still_count_ : moving_count_; }
   void writeCasting(bool still, const ShadowFit& fit, std::span<rules::MeshCasterRecord> records) const;
   // Moves on when the casters that stand still, or where they stand, are others than before.
   uint64_t stillVersion() const { return still_version_; }

@@ -54,8 +54,8 @@ inline bool isAsleep(const Bodies& bodies, uint32_t slot) {
   return !isAwake(bodies, slot) && bodies.berth[slot] != kGone;
 }
 
-// Loops over fewer than these are over before a second thread has woken: pairs of a pass, grains of a
-// search. No result depends on them.
+// Loops over fewer than these are over before a second thread has woken: pairs and collider contacts
+// of a pass, grains of a search. No result depends on them.
 inline constexpr size_t kFewPairs = 2048, kFewGrains = 512;
 inline Worth worthOf(size_t n, size_t few) { return n < few ? Worth::OneThread : Worth::Threads; }
 

@@ -59,7 +59,7 @@ const ColliderLists::Swept* ColliderLists::sweptLast(const Collider& collider) c
 }
 
 void ColliderLists::build(const Grid& grid, const Bodies& bodies,
-                          std::span<const Collider> colliders, float extra, bool searched,
+                          std::span<const Collider> colliders, float extra, vec3 drifted, bool searched,
                           std::span<const uint32_t> before,
                           std::span<const JoiningWall> joining) {
   const bool changed = sweep(colliders), wider = extra > 0 || extra_ > 0;
@@ -79,7 +79,7 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
     own.end = s < slab_count ? grid.slabEnd(s) : 0;
   }
   parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
-    list(uint32_t(s), bodies, extra);
+    list(uint32_t(s), bodies, extra, drifted);
     for (ColliderContact& contact : slab[s].contact) {
       if (!swept_[contact.collider].fresh) continue;
       const uint32_t was = searched ? before[contact.grain] : contact.grain;
@@ -103,17 +103,20 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
       }
     }
   }, worthOf(bodies.count, kFewGrains));
+  contact_count = 0;
+  for (uint32_t s = 0; s < slab_count; ++s) contact_count += slab[s].contact.size();
 }
 
-void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra) {
+void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra, vec3 drifted) {
   ColliderSlab& own = slab[s];
   own.bounces.clear();
   Bounds bounds{vec3(3e38f), vec3(-3e38f)};
   for (uint32_t i = own.begin; i < own.end; ++i) {
     if (!isAwake(bodies, i)) continue;
     const float reach = bodies.body[i].radius + bodies.reference[i].margin + extra;
-    bounds.min = glm::min(bounds.min, bodies.body[i].position - reach);
-    bounds.max = glm::max(bounds.max, bodies.body[i].position + reach);
+    const vec3 at = bodies.reference[i].position + drifted;
+    bounds.min = glm::min(bounds.min, at - reach);
+    bounds.max = glm::max(bounds.max, at + reach);
   }
   own.near.clear();
   if (!(bounds.min.x <= bounds.max.x)) return;  // nobody is awake
@@ -130,9 +133,9 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra) {
   auto stays = own.was.begin();
   for (uint32_t i = own.begin; i < own.end; ++i) {
     if (!isAwake(bodies, i)) continue;
-    const Body& grain = bodies.body[i];
-    const float reach = grain.radius + bodies.reference[i].margin + extra;
-    const Bounds own_bounds{grain.position - reach, grain.position + reach};
+    const float reach = bodies.body[i].radius + bodies.reference[i].margin + extra;
+    const vec3 at = bodies.reference[i].position + drifted;
+    const Bounds own_bounds{at - reach, at + reach};
     for (const uint32_t k : own.near) {
       const Swept& swept = swept_[k];
       if (!swept.fresh) {
@@ -144,7 +147,7 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra) {
         continue;
       }
       if (apart(own_bounds, swept.bounds) ||
-          !(nearestSurface(swept.begin, grain.position).distance < reach + swept.motion))
+          !(nearestSurface(swept.begin, at).distance < reach + swept.motion))
         continue;
       const Collider& collider = swept.collider;
       ColliderContact contact;

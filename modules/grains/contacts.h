@@ -175,13 +175,15 @@ struct ColliderSlab {
 struct ColliderLists {
   std::vector<ColliderSlab> slab;
   uint32_t slab_count = 0;
+  size_t contact_count = 0;
 
-  // Lists the grains awake within their margin, plus `extra` m, of a collider's surface during the
-  // tick. `searched`: slots have changed since the last listing, where slot k was before[k]
+  // Lists the grains awake that come within reach of a collider's surface during the tick from
+  // wherever their margin lets them be: around their reference, which the drift has carried by
+  // `drifted`, and carries by up to `extra` m more. `searched`: slots have changed since the last listing, where slot k was before[k]
   // (kNoSlot: none); impulses are taken over from there, and from `joining`, sorted by grain. If they
   // have not, only colliders that changed are looked at: with none, nothing is done.
   void build(const Grid& grid, const Bodies& bodies, std::span<const Collider> colliders,
-             float extra, bool searched, std::span<const uint32_t> before,
+             float extra, vec3 drifted, bool searched, std::span<const uint32_t> before,
              std::span<const JoiningWall> joining);
   // A collider over the tick.
   struct Swept {
@@ -201,7 +203,7 @@ struct ColliderLists {
   size_t memoryBytes() const;
 
  private:
-  void list(uint32_t s, const Bodies& bodies, float extra);
+  void list(uint32_t s, const Bodies& bodies, float extra, vec3 drifted);
   const ColliderContact* formerly(uint32_t slot, uint32_t key, uint32_t slabs) const;
 
   std::vector<Swept> swept_;

@@ -147,7 +147,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
 
   Body* body = bodies_.body.data();
   const uint32_t slabs = pairs_.slab_count;
-  const Worth worth = worthOf(pairs_.pair_count, kFewPairs);
+  const Worth worth = worthOf(pairs_.pair_count + walls_.contact_count, kFewPairs);
   const auto alternate = [&](int first, const auto& visit) {
     for (uint32_t turn = 0; turn < 2; ++turn) {
       const size_t parity = (static_cast<uint32_t>(first) + turn) & 1;

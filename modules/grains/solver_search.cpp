@@ -59,7 +59,7 @@ float GrainSolver::marginOf(const Body& grain, float h) const {
 }
 
 // One fast grain in free flight would call for a search of all every other substep. Where a stray
-// has come to nothing that is not listed, its margin is laid around where it is now, and the lists
+// has come to nobody, its margin is laid around where it is now, and the lists
 // stay as they are. False if a search is due.
 bool GrainSolver::followStrays(float h) {
   constexpr size_t kMostStrays = 16;  // each is tested against all bodies
@@ -211,9 +211,10 @@ void GrainSolver::joinWoken() {
 
 // Lists the grains near colliders; impulses are kept across this and across searches.
 void GrainSolver::listColliders(std::span<const Collider> colliders, float dt) {
-  // Grains move by their margin and by the drift until the lists are made again, next tick.
+  // With a drift the lists are made anew every tick, without it when a collider changes.
   const float extra = std::sqrt(glm::dot(drift_, drift_)) * dt;
-  walls_.build(grid_, bodies_, colliders, extra, searched_, before_, joining_walls_);
+  walls_.build(grid_, bodies_, colliders, extra, drift_ * drift_time_, searched_, before_,
+               joining_walls_);
   searched_ = false;
   walls_due_ = false;
 }

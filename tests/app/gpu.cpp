@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <future>
+#include <stdexcept>
 #include <thread>
 
 #include "tests/support/gl_fixture.h"
@@ -84,19 +87,54 @@ TEST_F(AppGpu, MeanwhileRunsForAnOutputOfNoSize) {
 
 // Which passes are on is decided before the ticks go on.
 TEST_F(AppGpu, NeedsAreAskedBeforeTheTicksGoOn) {
-  bool ticking = false, asked_too_late = false;
+  std::promise<void> from_ticks;
+  std::future<void> ticking = from_ticks.get_future();
+  bool asked_too_late = false;
   app_.addPass({.name = "test.draw",
                 .stage = Stage::Present,
                 .needs_text = "anything",
                 .needs = [&] {
-                  asked_too_late |= ticking;
+                  asked_too_late |= ticking.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready;
                   return true;
                 },
                 .uses = {{std::string(Frame::kOutput), Access::Color}},
                 .run = [](PassContext&) {}});
-  app_.render({8, 8}, 1, 1, 1, [&] { ticking = true; });
+  app_.render({8, 8}, 1, 1, 1, [&] { from_ticks.set_value(); });
   EXPECT_FALSE(asked_too_late);
-  EXPECT_TRUE(ticking);
+  EXPECT_EQ(ticking.wait_for(std::chrono::seconds(0)), std::future_status::ready);
+}
+
+// Whoever drops what passes read is alone with it.
+TEST_F(AppGpu, WaitingForPassesReturnsWhenTheyHaveDrawn) {
+  app_.waitForPasses();  // without any it returns at once
+  std::promise<void> from_ticks;
+  std::future<void> ticking = from_ticks.get_future();
+  std::atomic<bool> drawn = false;
+  bool drawn_first = false;
+  addPass([&] {
+    ticking.wait();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    drawn = true;
+  });
+  app_.render({8, 8}, 1, 1, 1, [&] {
+    from_ticks.set_value();
+    app_.waitForPasses();
+    drawn_first = drawn;
+  });
+  EXPECT_TRUE(drawn_first);
+}
+
+TEST_F(AppGpu, TicksHaveEndedWhenAPassThrows) {
+  addPass([] { throw std::runtime_error("torn"); });
+  bool done = false;
+  EXPECT_THROW(app_.render({8, 8}, 1, 1, 1,
+                           [&] {
+                             std::this_thread::sleep_for(std::chrono::milliseconds(20));
+                             done = true;
+                             throw std::runtime_error("spilt");
+                           }),
+               std::runtime_error);
+  EXPECT_TRUE(done);
 }
 
 }  // namespace
