@@ -24,7 +24,8 @@ int exitStatus(const scree::Status& status) {
 
 // A number names a level of the game; anything else is a glTF file.
 scree::Result<fs::path> levelPath(const std::string& level) {
-  if (level.empty() || level.find_first_not_of("0123456789") != std::string::npos) return fs::path(level);
+  if (level.empty()) return scree::Error{"--level: is empty; allowed is a level's number or a glTF file"};
+  if (level.find_first_not_of("0123456789") != std::string::npos) return fs::path(level);
   const auto numbered = [](std::string_view number) {
     return scree::contentRoot() / "levels" / fmt::format("level{}.glb", number);
   };

@@ -73,7 +73,7 @@ Status Capture::add(const Frame& frame, uint64_t tick, std::span<const std::stri
 
   if (frame_count_++ % stride_ != 0) return Done{};
   if (thumbnails_.size() == kMaxThumbnails) {
-    for (size_t i = 0; i < kMaxThumbnails / 2; ++i) thumbnails_[i] = std::move(thumbnails_[2 * i]);
+    for (size_t i = 1; i < kMaxThumbnails / 2; ++i) thumbnails_[i] = std::move(thumbnails_[2 * i]);
     thumbnails_.resize(kMaxThumbnails / 2);
     stride_ *= 2;
     if ((frame_count_ - 1) % stride_ != 0) return Done{};

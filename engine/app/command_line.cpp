@@ -120,26 +120,50 @@ void addCommonFlags(CLI::App& cli, AppOptions& options) {
 
 namespace {
 
+namespace fs = std::filesystem;
+
+// Whether there is such a file yet or not.
+bool areSame(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+             fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+}
+
+fs::path folderOf(const fs::path& file) {
+  return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+// A name that captures use.
+bool isCaptured(const std::string& name) {
+  return name == "contact_sheet.png" || name.starts_with("frame_");
+}
+
 // Files to be written: each in a place where one can be, and none of them another's, or read.
 Status checkOutputs(const AppOptions& options) {
   struct Named {
     const char* flag;
-    const std::filesystem::path& path;
+    const fs::path& path;
   };
   const std::array<Named, 4> outputs{{{"--record", options.record},
                                       {"--hash-log", options.hash_log},
                                       {"--stats", options.stats},
                                       {"--trace", options.trace}}};
-  std::vector<Named> taken{{"--replay", options.replay}, {"--bindings", options.bindings}};
+  std::vector<Named> taken{{"--level", options.level_file},
+                           {"--replay", options.replay},
+                           {"--bindings", options.bindings}};
   for (const Named& output : outputs) {
     if (output.path.empty()) continue;
     if (Status status = checkOutputPath(output.path, output.flag); !status.ok()) return status;
     for (const Named& other : taken) {
-      std::error_code ignored;
-      if (other.path == output.path || std::filesystem::equivalent(other.path, output.path, ignored))
+      if (!other.path.empty() && areSame(other.path, output.path))
         return Error{fmt::format("{} and {} name the same file '{}'", other.flag, output.flag,
                                  output.path.string())};
     }
+    if (!options.capture.empty() && areSame(options.capture, folderOf(output.path)) &&
+        isCaptured(output.path.filename().string()))
+      return Error{fmt::format("--capture and {} name the same file '{}'", output.flag,
+                               output.path.string())};
     taken.push_back(output);
   }
   return Done{};

@@ -22,6 +22,7 @@ struct AppOptions {
   bool gl_debug = true;
 #endif
 
+  std::filesystem::path level_file;  // what is played: no output may replace it
   std::string level;               // name in recordings; a replay of another level is refused
   std::filesystem::path replay;    // empty: live input
   std::filesystem::path record;    // empty: off

@@ -36,14 +36,18 @@ constexpr double kReloadInterval = 1;
 // A progress line on a terminal at most this often, seconds.
 constexpr double kProgressInterval = 0.25;
 
-// SIGINT and SIGTERM end a run in order: what was asked for is still written. A second one kills.
+// SIGINT, SIGTERM and a terminal that goes away end a run in order: what was asked for is still
+// written. A second one kills. Nobody reading what is printed ends nothing.
 volatile std::sig_atomic_t interrupted = 0;
 
 class Interrupts {
+  static constexpr int kEnding[] = {SIGINT, SIGTERM, SIGHUP};
+
  public:
   Interrupts() {
     interrupted = 0;
-    for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(SIGPIPE, SIG_IGN);
+    for (const int signal : kEnding) {
       struct sigaction action = {};
       action.sa_handler = [](int number) { interrupted = number; };
       action.sa_flags = SA_RESETHAND;
@@ -51,7 +55,8 @@ class Interrupts {
     }
   }
   ~Interrupts() {
-    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
+    for (const int signal : kEnding) std::signal(signal, SIG_DFL);
+    std::signal(SIGPIPE, SIG_DFL);
   }
   Interrupts(const Interrupts&) = delete;
   Interrupts& operator=(const Interrupts&) = delete;
@@ -256,17 +261,21 @@ class Run {
     fmt::print(stderr, "\r[{:=<{}}{:{}}] {}/{} ticks", "", filled, "", kWidth - filled, tick, total);
   }
 
+  // Writes all that was asked for, also after one of it could not be written; the first error.
   Status finish(double wall_s) {
-    if (recorder_)
-      if (Status status = writeReplay(options_.record, recorder_->replay()); !status.ok())
-        return status;
+    Status first = Done{};
+    const auto wrote = [&first](Status status) {
+      const bool ok = status.ok();
+      if (!ok && first.ok())
+        first = std::move(status);
+      else if (!ok)
+        logError("{}", status.error());
+      return ok;
+    };
+    if (recorder_) wrote(writeReplay(options_.record, recorder_->replay()));
     if (!options_.hash_log.empty())
-      if (Status status =
-              writeFile(options_.hash_log, std::string_view(hash_lines_.data(), hash_lines_.size()));
-          !status.ok())
-        return status;
-    if (capture_) {
-      if (Status status = capture_->finish(); !status.ok()) return status;
+      wrote(writeFile(options_.hash_log, std::string_view(hash_lines_.data(), hash_lines_.size())));
+    if (capture_ && wrote(capture_->finish())) {
       fmt::print("{} frames: {}\n", capture_->frameCount(), capture_->folder().string());
       if (capture_->frameCount() > 0)
         fmt::print("contact sheet: {}\n", (capture_->folder() / "contact_sheet.png").string());
@@ -274,23 +283,17 @@ class Run {
         logWarning("the run ended at tick {}: later frames of --frames were not captured",
                    app_.tickIndex());
     }
-    if (!options_.stats.empty()) {
-      if (Status status = statistics_.write(options_.stats, state_.gauges,
-                                            state_.context->description(), options_.size,
-                                            threadCount(), wall_s);
-          !status.ok())
-        return status;
+    if (!options_.stats.empty() &&
+        wrote(statistics_.write(options_.stats, state_.gauges, state_.context->description(),
+                                options_.size, threadCount(), wall_s)))
       fmt::print("statistics: {}\n", options_.stats.string());
-    }
-    if (!options_.trace.empty()) {
-      if (Status status = trace_.write(options_.trace); !status.ok()) return status;
+    if (!options_.trace.empty() && wrote(trace_.write(options_.trace)))
       fmt::print("trace: {}\n", options_.trace.string());
-    }
     if (options_.print_frame) {
       state_.frame.finishTimers();
       fmt::print("{}", state_.frame.describe());
     }
-    return Done{};
+    return first;
   }
 
   App& app_;

@@ -46,19 +46,21 @@ Status checkSize(std::string_view where, int width, int height, int channels, si
 
 Status write(const fs::path& path, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
              const void* pixels) {
-  return writeThenRename(path, [&](const fs::path& temporary) -> Status {
-    const auto refuse = [&](const std::string& why) {
-      return Error{fmt::format("{}: cannot write: {}", path.string(), oneLine(why)),
-                   ErrorKind::Failure};
-    };
-    auto output = OIIO::ImageOutput::create(temporary.string());
-    if (!output) return refuse(OIIO::geterror());
-    if (!output->open(temporary.string(), spec)) return refuse(output->geterror());
-    const bool written = output->write_image(type, pixels);
-    const std::string error = output->geterror();
-    if (!output->close() || !written) return refuse(written ? output->geterror() : error);
-    return Done{};
-  });
+  const auto refuse = [&](const std::string& why) {
+    return Error{fmt::format("{}: cannot write: {}", path.string(), oneLine(why)),
+                 ErrorKind::Failure};
+  };
+  // Encoded in memory: OpenImageIO's PNG writer does not notice a full disk.
+  OIIO::Filesystem::IOVecOutput encoded;
+  auto output = OIIO::ImageOutput::create(path.string());
+  if (!output) return refuse(OIIO::geterror());
+  output->set_ioproxy(&encoded);
+  if (!output->open(path.string(), spec)) return refuse(output->geterror());
+  const bool written = output->write_image(type, pixels);
+  const std::string error = output->geterror();
+  if (!output->close() || !written) return refuse(written ? output->geterror() : error);
+  const std::vector<unsigned char>& bytes = encoded.buffer();
+  return writeFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace

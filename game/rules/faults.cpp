@@ -16,7 +16,7 @@ std::string fault(const Creature& creature) {
                      {"height_m", creature.height_m, 0.1f, 20}});
 }
 std::string fault(const Scale& scale) {
-  return firstFault({{"target_kg", scale.target_kg, 0, 1e9f}, {"hold_s", scale.hold_s, 0, 3600}});
+  return firstFault({{"target_kg", scale.target_kg, 0.001f, 1e9f}, {"hold_s", scale.hold_s, 0, 3600}});
 }
 std::string fault(const Needle& needle) {
   return firstFault({{"turn_at_target_rad", needle.turn_at_target_rad, -6.2831854f, 6.2831854f},

@@ -11,6 +11,7 @@ namespace scree::hourglass {
 
 Result<std::unique_ptr<App>> openGame(AppOptions options, const std::filesystem::path& level) {
   options.title = "Hourglass";
+  options.level_file = level;
   options.level = level.filename().string();
   options.radiance_targets = {std::string(kTruth), std::string(kRadiance)};
   auto app = std::make_unique<App>(std::move(options));

@@ -28,8 +28,9 @@ void judge(World& world) {
   bool filled = false;
   world.query<const Scale, ScaleReading>().each([&](const Scale& scale, ScaleReading& reading) {
     reading.mass_kg += (mass - reading.mass_kg) * std::min(1.0f, dt / kDialTime);
-    reading.held_s = reading.mass_kg >= scale.target_kg ? reading.held_s + dt : 0.0f;
-    filled |= reading.held_s >= scale.hold_s;
+    const bool enough = reading.mass_kg >= scale.target_kg;
+    reading.held_s = enough ? reading.held_s + dt : 0.0f;
+    filled |= enough && reading.held_s >= scale.hold_s;
   });
   if (match.state != MatchState::Playing) return;
   match.elapsed_s += dt;

@@ -38,7 +38,15 @@ std::string firstOf(std::string a, const std::string& b) { return a.empty() ? b 
 }  // namespace
 
 std::string fault(const GrainField& f) {
-  return firstFault({{"gravity.x", f.gravity.x, -1e4, 1e4},
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(f.bounds_min[axis] < f.bounds_max[axis]))
+      return fmt::format("bounds_min.{0} = {1}; allowed is less than bounds_max.{0} = {2}", "xyz"[axis],
+                         f.bounds_min[axis], f.bounds_max[axis]);
+  }
+  return firstFault({{"origin.x", f.origin.x, -kMostSize, kMostSize},
+                     {"origin.y", f.origin.y, -kMostSize, kMostSize},
+                     {"origin.z", f.origin.z, -kMostSize, kMostSize},
+                     {"gravity.x", f.gravity.x, -1e4, 1e4},
                      {"gravity.y", f.gravity.y, -1e4, 1e4},
                      {"gravity.z", f.gravity.z, -1e4, 1e4},
                      {"substeps", static_cast<double>(f.substeps), 1, 64},
@@ -62,6 +70,10 @@ std::string fault(const GrainBlock& b) {
                   {"friction", b.friction, 0, kMostFriction},
                   {"rolling_friction", b.rolling_friction, 0, kMostFriction},
                   {"restitution", b.restitution, 0, 1},
+                  {"color.x", b.color.x, 0, 1},
+                  {"color.y", b.color.y, 0, 1},
+                  {"color.z", b.color.z, 0, 1},
+                  {"roughness", b.roughness, 0, 1},
                   {"color_jitter", b.color_jitter, 0, 1}});
   if (wrong.empty() && b.spacing != 0)  // 0: chosen by the size
     wrong = firstFault({{"spacing", b.spacing, 2.0 * largest, 1e6}});

@@ -2,13 +2,18 @@
 #include "engine/app/app.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <chrono>
+#include <filesystem>
 #include <future>
 #include <stdexcept>
 #include <thread>
 
+#include "engine/app/capture.h"
+#include "engine/assets/image.h"
 #include "tests/support/gl_fixture.h"
 
 namespace scree::test {
@@ -135,6 +140,28 @@ TEST_F(AppGpu, TicksHaveEndedWhenAPassThrows) {
                            }),
                std::runtime_error);
   EXPECT_TRUE(done);
+}
+
+// A contact sheet holds at most 48 frames: when there are more it keeps every second one, and so on.
+TEST_F(AppGpu, AContactSheetOfMoreFramesThanItHolds) {
+  addPass([] {});
+  const auto folder = std::filesystem::temp_directory_path() / ("scree_sheet_" + std::to_string(getpid()));
+  for (const int frames : {1, 48, 49, 97, 200}) {
+    Result<Capture> capture = Capture::open(folder, false);
+    ASSERT_TRUE(capture.ok()) << capture.error();
+    for (int k = 0; k < frames; ++k) {
+      app_.render({16, 8});
+      ASSERT_TRUE(capture->add(app_.frame(), static_cast<uint64_t>(k), {}).ok());
+    }
+    ASSERT_TRUE(capture->finish().ok());
+    Result<ImageData> sheet = loadImage(folder / "contact_sheet.png", ColorEncoding::Srgb);
+    ASSERT_TRUE(sheet.ok()) << sheet.error();
+    const int kept = frames <= 48 ? frames : frames <= 96 ? (frames + 1) / 2 : frames <= 192 ? (frames + 3) / 4 : (frames + 7) / 8;
+    const int columns = static_cast<int>(std::ceil(std::sqrt(kept)));
+    EXPECT_EQ(sheet->width, 16 * columns) << frames;
+    EXPECT_EQ(sheet->height, 8 * ((kept + columns - 1) / columns)) << frames;
+    std::filesystem::remove_all(folder);
+  }
 }
 
 }  // namespace

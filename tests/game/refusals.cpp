@@ -68,6 +68,11 @@ TEST(Refusals, Flags) {
   expectRefusal({"--record", "/nowhere/at/all.replay", "--ticks", "1"}, {"--record", "/nowhere/at/all"});
   expectRefusal({"--trace", fs::temp_directory_path().string(), "--ticks", "1"}, {"--trace", "folder"});
   expectRefusal({"--stats", "same", "--trace", "same", "--ticks", "1"}, {"--stats", "--trace", "same"});
+  expectRefusal({"--stats", "same", "--trace", "./same", "--ticks", "1"}, {"--stats", "--trace", "same"});
+  expectRefusal({"--level", kLevel.string(), "--stats", kLevel.string(), "--ticks", "1"}, {"--level", "--stats", "same"});
+  expectRefusal({"--capture", "x", "--every", "1", "--ticks", "1", "--trace", "./x/../x/contact_sheet.png"},
+                {"--trace", "x"});
+  expectRefusal({"--level", "", "--ticks", "1"}, {"--level", "empty"});
   expectRefusal({"--capture", kLevel.string(), "--every", "1", "--ticks", "1", "--context", "egl"},
                 {"level1.glb"});
 }
@@ -114,6 +119,9 @@ TEST(Refusals, Levels) {
   };
   refuse(extras("block.gltf", R"({"GrainBlock": {"radius": -1}})"), {"block.gltf", "heap", "GrainBlock", "radius"});
   refuse(extras("many.gltf", R"({"GrainBlock": {"count": [100000, 100000, 1]}})"), {"many.gltf", "count", "4e+06"});
+  refuse(extras("bounds.gltf", R"({"GrainField": {"bounds_min": [0, 600, 0]}})"), {"heap", "bounds_min.y = 600"});
+  refuse(extras("origin.gltf", R"({"GrainField": {"origin": [1e15, 0, 0]}})"), {"heap", "origin.x = 1e+15"});
+  refuse(extras("color.gltf", R"({"GrainBlock": {"color": [0, -1, 0]}})"), {"heap", "color.y = -1"});
   refuse(extras("box.gltf", R"({"BoxCollider": {"half_extent": [1, -2, 1]}})"), {"heap", "half_extent.y = -2"});
   refuse(extras("clock.gltf", R"({"LevelRules": {"time_limit_s": 1e10}})"), {"time_limit_s = 1e+10", "86400"});
   refuse(extras("walk.gltf", R"({"Creature": {"walk_speed_m_s": 1e38}})"), {"Creature", "walk_speed_m_s"});
