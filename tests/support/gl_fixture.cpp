@@ -25,7 +25,7 @@ std::string makeTestContext() {
   Result<std::unique_ptr<Context>> made = makeContext(desc);
   if (!made.ok()) return made.error();
   // Never destroyed: objects that a test leaves in static storage must not outlive it.
-  Context* context = std::move(*made).release();
+  static Context* const context = std::move(*made).release();
   context->makeCurrent();
   if (Status loaded = gpu::loadFunctions(context->getProcAddress()); !loaded.ok())
     return loaded.error();
