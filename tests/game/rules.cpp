@@ -254,6 +254,14 @@ TEST(Match, ClockRoundsUpAndNeverShowsSixtySeconds) {
   EXPECT_EQ(clockAt(80), "0:00.0");
 }
 
+TEST(Match, IsNotWonByAnEmptyScaleThatNeedNotHold) {
+  auto app = open(writeLevel("no_hold", R"({"name": "tray", "translation": [20, -0.5, 0], "extras": {
+      "Scale": {"target_kg": 100, "hold_s": 0}, "LevelRules": {"time_limit_s": 2}}})"));
+  ASSERT_TRUE(app);
+  tick(*app, {}, 10);
+  EXPECT_EQ(app->world().singleton<const Match>().state, MatchState::Playing);
+}
+
 TEST(Match, IsLostWhenTheTimeRunsOut) {
   auto app = open(writeLevel("lose", R"({"name": "tray", "translation": [20, -0.5, 0], "extras": {
       "Scale": {"target_kg": 100}, "LevelRules": {"time_limit_s": 2}}})"));
