@@ -123,6 +123,8 @@ class Run {
       Result<Capture> capture = Capture::open(options_.capture, options_.capture_exr);
       if (!capture.ok()) return capture.takeError();
       capture_.emplace(std::move(*capture));
+      if (options_.capture_exr)
+        for (const std::string& target : options_.radiance_targets) state_.frame.keep(target, true);
     }
     if (options_.context == ContextKind::Auto || options_.context == ContextKind::Window ||
         wantsFrames()) {

@@ -211,6 +211,19 @@ void Frame::decide() {
   for (size_t i = 0; i < s.passes.size(); ++i) s.report(i);
 }
 
+bool Frame::isWanted(std::string_view resource, std::string_view besides) const {
+  const State& s = *state_;
+  const uint16_t number = s.number(resource);
+  if (s.read_outside[number]) return true;
+  for (size_t i = 0; i < s.passes.size(); ++i) {
+    const PassDesc& desc = s.passes[i]->desc;
+    const std::vector<uint16_t>& read = s.rules[i].read;
+    if (desc.name == besides || std::find(read.begin(), read.end(), number) == read.end()) continue;
+    if (!desc.needs || desc.needs()) return true;
+  }
+  return false;
+}
+
 void Frame::State::report(size_t index) {
   FramePass& pass = *passes[index];
   const PassDecision decision = activity.decisions()[index];

@@ -171,6 +171,10 @@ class Frame {
   // that is not read is not attached: a pass need not compute what it would hold.
   bool isRead(std::string_view name) const;
 
+  // For PassDesc::needs: true if the resource is kept, or read by a pass whose needs are met; the pass
+  // named `besides` does not count (nor may its needs ask for the same resource without naming it).
+  bool isWanted(std::string_view resource, std::string_view besides) const;
+
   // One entry a pass, in frame order, of the last run() or decide().
   const std::vector<PassReport>& report() const;
   // The text of --print-frame: stages, passes, on or off and why, resources read and written.

@@ -8,8 +8,11 @@
 
 namespace scree {
 
-DeferredState::DeferredState(World& world_in)
-    : world(world_in), lights(world_in.query<const Light, const Transform>()), batches(world_in) {}
+DeferredState::DeferredState(App& app)
+    : world(app.world()),
+      frame(app.frame()),
+      lights(world.query<const Light, const Transform>()),
+      batches(world) {}
 
 std::vector<Use> gbufferUses(std::vector<Use> extra) {
   std::vector<Use> uses = {{std::string(kGbufferAlbedo), Access::Color},
@@ -46,7 +49,7 @@ gpu::Program fullScreenProgram(std::string name, std::vector<std::string> define
 }
 
 void addDeferred(App& app) {
-  const auto state = std::make_shared<DeferredState>(app.world());
+  const auto state = std::make_shared<DeferredState>(app);
   World& world = app.world();
   world.singleton<ShadowCasters>();
   world.singleton<ShadowSettings>();
@@ -79,9 +82,11 @@ void addDeferred(App& app) {
   app.addPass(shadowPass(state));
   app.addPass(opaquePass(state));
   app.addPass(emissivePass(state));
-  app.addPass(lightPass(state));
-  app.addPass(skyPass(state));
+  app.addPass(lightPass(state, ShadesInto::Radiance));
+  app.addPass(skyPass(state, ShadesInto::Radiance));
   app.addPass(accumulatePass(state));
+  app.addPass(lightPass(state, ShadesInto::Display));
+  app.addPass(skyPass(state, ShadesInto::Display));
   app.addPass(presentPass(state));
 }
 

@@ -1,4 +1,4 @@
-// deferred.light: shades what the G-buffer holds.
+// deferred.light, deferred.display_light: shades what the G-buffer holds.
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/state.h"
@@ -13,11 +13,15 @@ gpu::Program lightProgram(std::vector<std::string> defines) {
 }
 
 struct LightPass {
+  explicit LightPass(ShadesInto target_in) : target(target_in) {}
+
+  ShadesInto target;
   // One program a situation, so that a scene does not pay for a sun or shadows that it lacks.
-  gpu::Program sky_only = lightProgram({});
-  gpu::Program sun = lightProgram({"SUN"});
-  gpu::Program sun_and_shadows = lightProgram({"SUN", "SHADOWS"});
-  gpu::Program sun_and_hard_shadows = lightProgram({"SUN", "SHADOWS", "SHADOW_SINGLE_FETCH"});
+  gpu::Program sky_only = lightProgram(shadedDefines(target));
+  gpu::Program sun = lightProgram(shadedDefines(target, {"SUN"}));
+  gpu::Program sun_and_shadows = lightProgram(shadedDefines(target, {"SUN", "SHADOWS"}));
+  gpu::Program sun_and_hard_shadows =
+      lightProgram(shadedDefines(target, {"SUN", "SHADOWS", "SHADOW_SINGLE_FETCH"}));
   gpu::Texture lobe_table;
 
   void draw(DeferredState& state, PassContext& context);
@@ -42,6 +46,7 @@ void LightPass::draw(DeferredState& state, PassContext& context) {
                           : shining ? sun
                                     : sky_only;
   if (!program.use()) return;
+  setExposure(state, target, program);
   context.frame.bindSampled(kGbufferAlbedo, rules::kGbufferAlbedoUnit);
   context.frame.bindSampled(kGbufferNormal, rules::kGbufferNormalUnit);
   context.frame.bindSampled(kGbufferEmissive, rules::kGbufferEmissiveUnit);
@@ -57,19 +62,15 @@ void LightPass::draw(DeferredState& state, PassContext& context) {
 
 }  // namespace
 
-PassDesc lightPass(const SharedState& state) {
-  const auto pass = std::make_shared<LightPass>();
-  return {.name = "deferred.light",
-          .stage = Stage::Shade,
-          .needs_content = {std::string(kGbufferId)},
-          .uses = {{std::string(kGbufferAlbedo), Access::Sampled},
-                   {std::string(kGbufferNormal), Access::Sampled},
-                   {std::string(kGbufferEmissive), Access::Sampled},
-                   {std::string(kGbufferDepth), Access::Sampled},
-                   {std::string(kShadowMap), Access::Sampled},
-                   {std::string(kRadiance), Access::Color},
-                   {std::string(kGbufferDepth), Access::DepthTest}},
-          .run = [state, pass](PassContext& context) { pass->draw(*state, context); }};
+PassDesc lightPass(const SharedState& state, ShadesInto target) {
+  const auto pass = std::make_shared<LightPass>(target);
+  PassDesc desc = shadePass(state, target, "light");
+  desc.needs_content = {std::string(kGbufferId)};
+  for (const std::string_view read : {kGbufferAlbedo, kGbufferNormal, kGbufferEmissive, kGbufferDepth, kShadowMap})
+    desc.uses.push_back({std::string(read), Access::Sampled});
+  desc.uses.push_back({std::string(kGbufferDepth), Access::DepthTest});
+  desc.run = [state, pass](PassContext& context) { pass->draw(*state, context); };
+  return desc;
 }
 
 }  // namespace scree

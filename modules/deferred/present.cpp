@@ -10,6 +10,8 @@ PassDesc presentPass(const SharedState& state) {
   const auto program = std::make_shared<gpu::Program>(fullScreenProgram("deferred.present"));
   return {.name = "deferred.present",
           .stage = Stage::Present,
+          .needs_text = "radiance that was not displayed at once",
+          .needs = [state] { return presentNeeded(*state); },
           .uses = {{std::string(kRadiance), Access::Sampled},
                    {std::string(kTruth), Access::Sampled},
                    {std::string(Frame::kOutput), Access::Color}},

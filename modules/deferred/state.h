@@ -15,9 +15,10 @@ namespace scree {
 
 // Owned by the systems and passes that addDeferred registers, so that its GL objects die with them.
 struct DeferredState {
-  explicit DeferredState(World& world_in);
+  explicit DeferredState(App& app);
 
   World& world;
+  const Frame& frame;
   Query<const Light, const Transform> lights;
   MeshBatches batches;
   MaterialBlock materials;
@@ -39,10 +40,19 @@ SystemDesc gatherSystem(const SharedState& state);  // gather.cpp
 PassDesc opaquePass(const SharedState& state);
 PassDesc emissivePass(const SharedState& state);    // opaque.cpp
 PassDesc shadowPass(const SharedState& state);
-PassDesc lightPass(const SharedState& state);
-PassDesc skyPass(const SharedState& state);
+// Whether a pass that shades writes kRadiance, or the display at once because nobody reads kRadiance
+// but deferred.present.
+enum class ShadesInto : uint8_t { Radiance, Display };
+PassDesc lightPass(const SharedState& state, ShadesInto target);
+PassDesc skyPass(const SharedState& state, ShadesInto target);
 PassDesc accumulatePass(const SharedState& state);
 PassDesc presentPass(const SharedState& state);
+
+// In shade.cpp: name, stage, needs and first use of a pass that shades; what it sets its programs.
+PassDesc shadePass(const SharedState& state, ShadesInto target, std::string_view verb);
+std::vector<std::string> shadedDefines(ShadesInto target, std::vector<std::string> more = {});
+void setExposure(const DeferredState& state, ShadesInto target, gpu::Program& program);
+bool presentNeeded(const DeferredState& state);
 
 // A program whose vertex shader covers the screen: lib/full_screen.vert, or one that does more.
 gpu::Program fullScreenProgram(std::string name, std::vector<std::string> defines = {},

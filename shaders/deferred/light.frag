@@ -1,7 +1,8 @@
 // Radiance of what the G-buffer holds: sun, sky and its own light.
-// Defines: SUN (there is one), SHADOWS (and a shadow map).
+// Defines: SUN (there is one), SHADOWS (and a shadow map), DISPLAY (see lib/shaded.glsl).
 #define GBUFFER_READ
 #include "lib/gbuffer.glsl"
+#include "lib/shaded.glsl"
 #include "lib/shadow.glsl"
 #include "shared/brdf.h"
 #include "shared/lighting.h"
@@ -30,8 +31,6 @@ ShadowViewBlock shadowView() {
 }
 #endif
 
-layout(location = 0) out vec4 radiance;
-
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   Surface s = readGbuffer(pixel);
@@ -53,5 +52,5 @@ void main() {
 #endif
   sum += beam;
 #endif
-  radiance = vec4(min(sum, vec3(kMaxRadiance)), 1.0);
+  writeShaded(sum);
 }

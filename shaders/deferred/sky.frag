@@ -1,10 +1,7 @@
-// The sky where nothing was drawn.
-#include "shared/gbuffer.h"
+// The sky where nothing was drawn. Defines: DISPLAY (see lib/shaded.glsl).
+#include "lib/shaded.glsl"
 #include "shared/lighting.h"
 
 in vec3 ray;
-layout(location = 0) out vec4 radiance;
 
-void main() {
-  radiance = vec4(min(skyRadiance(lighting.sky, normalize(ray).y), vec3(kMaxRadiance)), 1.0);
-}
+void main() { writeShaded(skyRadiance(lighting.sky, normalize(ray).y)); }

@@ -55,6 +55,7 @@ struct Yard {
   Yard() {
     addScene(app);
     addDeferred(app);
+    app.frame().keep(kRadiance, true);
     World& world = app.world();
     const uint32_t mesh = world.singleton<MeshStore>().add(box());
     const auto put = [&](dvec3 p, vec3 scale, float turn) {

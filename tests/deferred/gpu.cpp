@@ -11,7 +11,7 @@ class DeferredPasses : public GlTest {};
 
 TEST_F(DeferredPasses, EmptySceneClearsShowsTheSkyAndPresents) {
   Studio studio;
-  studio.app.frame().keep(kGbufferId, false);
+  for (const std::string_view kept : {kGbufferId, kRadiance}) studio.app.frame().keep(kept, false);
   studio.look({0, 1, 5}, {0, 1, 0});
   const gpu::Counters before = gpu::counters();
   studio.render();
@@ -59,6 +59,28 @@ TEST_F(DeferredPasses, RunAsTheSceneNeedsThem) {
   studio.render();
   EXPECT_EQ(studio.passes(), (Names{"deferred.clear", "deferred.sky", "deferred.present"}));
   studio.world.destroy(sun);
+  studio.world.destroy(ball);
+  studio.render();
+  EXPECT_EQ(studio.passes(), (Names{"deferred.clear", "deferred.sky", "deferred.present"}));
+}
+
+// Radiance that only the display would read is neither written nor made.
+TEST_F(DeferredPasses, ShowAtOnceWhatNobodyElseReads) {
+  Studio studio;
+  studio.app.frame().keep(kRadiance, false);
+  studio.look({0, 1, 5}, {0, 1, 0});
+  const Entity ball = studio.put(studio.mesh(sphereMesh(8, 16)), 0, {0, 1, 0}, vec3(0.5f));
+  studio.render();
+  EXPECT_EQ(studio.passes(), (Names{"deferred.clear", "deferred.opaque", "deferred.display_light",
+                                    "deferred.display_sky"}));
+  EXPECT_FALSE(studio.app.frame().hasTexture(kRadiance));
+  EXPECT_EQ(studio.app.frame().runCount("deferred.present"), 0u);
+  studio.render(2);
+  EXPECT_EQ(studio.passes(), (Names{"deferred.clear", "deferred.opaque", "deferred.light", "deferred.sky",
+                                    "deferred.accumulate", "deferred.present"}));
+  studio.render();
+  EXPECT_EQ(studio.passes(), (Names{"deferred.clear", "deferred.opaque", "deferred.display_light",
+                                    "deferred.display_sky"}));
   studio.world.destroy(ball);
   studio.render();
   EXPECT_EQ(studio.passes(), (Names{"deferred.clear", "deferred.sky", "deferred.present"}));

@@ -107,6 +107,35 @@ TEST_F(DeferredLight, PresentsTheToneMappedRadiance) {
   }
 }
 
+// Without the detour over the radiance target, which rounds to half floats, the picture is the same.
+TEST_F(DeferredLight, ShowsTheSameAtOnce) {
+  Studio s({80, 60});
+  s.put(s.mesh(sphereMesh()), s.material(plainMaterial(vec3(0.9f, 0.4f, 0.1f), 1, 0.2f)), {0, 0, 0});
+  s.put(s.mesh(boxMesh()), 0, {0, -2, 0}, vec3(3, 1, 3));
+  s.sun({1, 1, 1}, vec3(1), 20);
+  s.look({0, 1, 4}, {0, 0, 0});
+  s.world.singleton<Exposure>().scale = 0.7f;
+  const auto picture = [&s](bool keeping) {
+    s.app.frame().keep(kRadiance, keeping);
+    s.render();
+    return gpu::readBytes(s.app.frame().texture(Frame::kOutput), 4);
+  };
+  const auto over_radiance = picture(true), at_once = picture(false);
+  EXPECT_EQ(s.app.frame().runCount("deferred.display_light"), 1u);
+  EXPECT_EQ(s.app.frame().runCount("deferred.present"), 1u);
+  ASSERT_EQ(over_radiance.size(), at_once.size());
+  EXPECT_GT(*std::max_element(at_once.begin(), at_once.end() - 1), 200);
+  size_t different = 0, dark = 0;
+  for (size_t i = 0; i < at_once.size(); ++i) {
+    dark += at_once[i] < 128;
+    ASSERT_NEAR(at_once[i], over_radiance[i], 1) << i;
+    different += at_once[i] != over_radiance[i];
+  }
+  // Half floats move a value by up to 1/4096 of itself, 1/16 of a step of 8 bits.
+  EXPECT_LT(different, at_once.size() / 16);
+  EXPECT_GT(dark, at_once.size() / 16);
+}
+
 TEST_F(DeferredLight, TheFirstDirectionalLightIsTheSun) {
   Studio s({16, 16});
   s.look({0, 0, 4}, {0, 0, 0});

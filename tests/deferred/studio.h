@@ -100,7 +100,7 @@ struct Studio {
   explicit Studio(ivec2 output = {160, 120}) : size(output) {
     addScene(app);
     addDeferred(app);
-    for (const std::string_view read_by_tests : {kGbufferMotion, kGbufferId})
+    for (const std::string_view read_by_tests : {kGbufferMotion, kGbufferId, kRadiance})
       app.frame().keep(read_by_tests, true);
   }
   uint32_t mesh(const MeshData& data) { return world.singleton<MeshStore>().add(data); }

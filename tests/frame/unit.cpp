@@ -352,5 +352,33 @@ TEST(Describe, NamesStagesPassesReasonsAndResources) {
             "  off  text     needs a thing           -> frame.output (color)\n");
 }
 
+// isWanted looks at needs, not at what is on: it may be asked while that is being decided.
+TEST(FrameWanted, CountsKeptResourcesAndReadersWhoseNeedsAreMet) {
+  Frame frame;
+  bool lens = false;
+  frame.addTarget("radiance", {.format = GL_RGBA16F});
+  frame.addTarget("blurred", {.format = GL_RGBA16F});
+  frame.addPass(pass("shade", Stage::Shade, {{"radiance", Access::Color}}));
+  frame.addPass(pass("blur", Stage::Lens, {{"radiance", Access::Sampled}, {"blurred", Access::Color}},
+                     [&lens] { return lens; }));
+  frame.addPass(pass("at once", Stage::Present, {{kOut, Access::Color}},
+                     [&frame] { return !frame.isWanted("radiance", "present"); }));
+  frame.addPass(pass("present", Stage::Present, {{"radiance", Access::Sampled}, {kOut, Access::Color}},
+                     [&frame] { return frame.isWanted("radiance", "present"); }));
+  EXPECT_FALSE(frame.isWanted("radiance", "present"));
+  frame.decide();
+  EXPECT_EQ(namesOfOn(frame), (Names{"at once"}));
+  frame.keep("radiance", true);
+  EXPECT_TRUE(frame.isWanted("radiance", "present"));
+  frame.decide();
+  EXPECT_EQ(namesOfOn(frame), (Names{"shade", "present"}));
+  frame.keep("radiance", false);
+  lens = true;
+  EXPECT_TRUE(frame.isWanted("radiance", "present"));
+  frame.decide();
+  EXPECT_EQ(namesOfOn(frame), (Names{"shade", "present"}));
+  EXPECT_FALSE(frame.isWanted("blurred", "present"));
+}
+
 }  // namespace
 }  // namespace scree

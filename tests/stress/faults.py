@@ -49,9 +49,9 @@ SHADER = [
      "shadow offset along the wrong vector"),
     ("shaders/deferred/sky.frag", "normalize(ray).y", "normalize(ray).x", "sky turned on its side"),
     ("shaders/deferred/sky.frag", "normalize(ray).y", "ray.y", "sky ray not normalised"),
-    ("shaders/deferred/present.frag", "srgbFromLinear(toneMap(color))", "toneMap(color)", "not encoded"),
-    ("shaders/deferred/present.frag", "srgbFromLinear(toneMap(color))", "srgbFromLinear(color)", "no tone curve"),
-    ("shaders/deferred/present.frag", "* exposure;", "* 1.0;", "exposure ignored"),
+    ("shaders/lib/display.glsl", "srgbFromLinear(toneMap(radiance * exposure))", "toneMap(radiance * exposure)", "not encoded"),
+    ("shaders/lib/display.glsl", "toneMap(radiance * exposure)", "radiance * exposure", "no tone curve"),
+    ("shaders/lib/display.glsl", "radiance * exposure", "radiance * 1.0", "exposure ignored"),
     ("shaders/deferred/present.frag", "ivec2(gl_FragCoord.xy)", "ivec2(gl_FragCoord.xy) + 1", "shifted by a pixel"),
     ("shaders/deferred/accumulate.frag", ", weight);", ", 0.5);", "mean weighted wrongly"),
     # Meshes
