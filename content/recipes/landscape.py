@@ -1,7 +1,7 @@
 """Makes the desert around the terrace: the ground with its dunes, rocks, palms, and ruins on the horizon."""
 import math
 
-from architecture import GROUND_Y, boxed, quad
+from architecture import BODY_BACK_Z, BODY_FRONT_Z, BODY_HALF_WIDTH, GROUND_Y, boxed, quad
 from lib import shapes
 from lib.mesh import Mesh
 from lib.vec import add, lerp, quat, random_between, smoothstep
@@ -36,19 +36,30 @@ def ground_height(x, z):
     return GROUND_Y + (grow * dunes + near * (1.0 - 0.5 * grow)) * (1.0 - 0.8 * clear) + rim
 
 
+def _body_radius(a):
+    """From the origin to just inside the terrace's body, in the direction of angle a: nothing sees the ground there."""
+    x, z = math.sin(a), math.cos(a)
+    inset = 0.1
+    across = (BODY_HALF_WIDTH - inset) / max(abs(x), 1e-9)
+    along = (BODY_FRONT_Z - inset if z > 0.0 else -BODY_BACK_Z - inset) / max(abs(z), 1e-9)
+    return min(across, along)
+
+
 def ground():
-    """An open sheet of rings around the terrace, finer nearby."""
-    radii = [3.0, 8.0, FLAT_RADIUS]
+    """An open sheet of rings around the terrace's body, finer nearby, in tiles of which a camera sees a few: tiles
+    behind it are culled, and only those at the picture's border have triangles to clip."""
+    radii = [0.0, FLAT_RADIUS]
     while radii[-1] < FAR_RADIUS:
         radii.append(radii[-1] * 1.22)
-    segments = 48
+    segments = 42
     m = Mesh()
     rings = []
     for k, r in enumerate(radii):
         ring = []
         for j in range(segments):
             a = 2.0 * math.pi * (j + 0.5 * (k % 2)) / segments
-            x, z = r * math.sin(a), r * math.cos(a)
+            away = max(r, _body_radius(a))
+            x, z = away * math.sin(a), away * math.cos(a)
             ring.append(m.point((x, ground_height(x, z), z)))
         rings.append(ring)
     for k in range(len(radii) - 1):
@@ -62,7 +73,14 @@ def ground():
             else:
                 m.face([inner[j], outer[j], outer[n]])
                 m.face([inner[j], outer[n], inner[n]])
-    return {"sand": m.crease(180.0).uv(metres("sand"))}
+    def tile_of(centre):
+        x, _, z = centre
+        r = math.hypot(x, z)
+        if r < 14.0:
+            return 0, 0
+        return (1 if r < 50.0 else 2), int((math.atan2(x, z) / (2.0 * math.pi) % 1.0) * 6)
+
+    return [{"sand": tile} for tile in m.crease(180.0).uv(metres("sand")).tiles(tile_of).values()]
 
 
 def rocks():

@@ -90,7 +90,8 @@ def _scenery(gltf, palette):
               mesh=palette.mesh("scale_needle", scale.needle()), extras={"Needle": {
                   "turn_at_target_rad": round(math.pi, 6), "most_turn_rad": round(1.5 * math.pi, 6)}})
 
-    gltf.node("ground", mesh=palette.mesh("ground", landscape.ground()), extras=no_shadow)
+    for k, tile in enumerate(landscape.ground()):
+        gltf.node("ground_%d" % k, mesh=palette.mesh("ground_%d" % k, tile), extras=no_shadow)
     gltf.node("ruins", mesh=palette.mesh("ruins", landscape.ruins()), extras=no_shadow)
     gltf.node("rocks", mesh=palette.mesh("rocks", landscape.rocks()), extras=no_shadow)
     sphinx = palette.mesh("sphinx", landscape.sphinx())

@@ -13,11 +13,12 @@ def snap(value, grid):
 
 
 class Face:
-    __slots__ = ("corners", "uvs", "crease_deg", "uv_scale", "uv_offset")
+    __slots__ = ("corners", "uvs", "crease_deg", "uv_scale", "uv_offset", "drawn")
 
     def __init__(self, corners, uvs, crease_deg, uv_scale, uv_offset):
         self.corners, self.uvs, self.crease_deg = corners, uvs, crease_deg
         self.uv_scale, self.uv_offset = uv_scale, uv_offset
+        self.drawn = True
 
 
 class Mesh:
@@ -40,6 +41,7 @@ class Mesh:
         self.points.extend(other.points)
         for f in other.faces:
             g = Face(tuple(c + base for c in f.corners), f.uvs, f.crease_deg, f.uv_scale, f.uv_offset)
+            g.drawn = f.drawn
             self.faces.append(g)
         return self
 
@@ -85,8 +87,25 @@ class Mesh:
     def copy(self):
         return Mesh().extend(self)
 
+    def tiles(self, tile_of):
+        """{tile: mesh of the faces with tile_of(centre) == tile}. What a tile does not draw still rounds its
+        shading, so that no seam shows."""
+        centres = []
+        for f in self.faces:
+            total = (0.0, 0.0, 0.0)
+            for c in f.corners:
+                total = add(total, self.points[c])
+            centres.append(mul(total, 1.0 / len(f.corners)))
+        of_face = [tile_of(c) for c in centres]
+        tiles = {}
+        for tile in sorted(set(of_face)):
+            tiles[tile] = self.copy()
+            for f, own in zip(tiles[tile].faces, of_face):
+                f.drawn = own == tile
+        return tiles
+
     def triangle_count(self):
-        return sum(len(f.corners) - 2 for f in self.faces)
+        return sum(len(f.corners) - 2 for f in self.faces if f.drawn)
 
     def open_edges(self):
         """Directed edges without an opposite one, on welded points: 0 for a closed, oriented surface."""
@@ -163,7 +182,7 @@ def bake(mesh):
             around.setdefault(p, []).append((i, area * angle))
     out, vertex_of, indices = [], {}, []
     for i, f in enumerate(mesh.faces):
-        if unit[i] == (0.0, 0.0, 0.0):
+        if unit[i] == (0.0, 0.0, 0.0) or not f.drawn:
             continue
         limit = math.cos(math.radians(f.crease_deg))
         corners = []
