@@ -1,8 +1,11 @@
 // World::load: checks every number of the file before it replaces anything; see save_format.h.
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <optional>
+#include <utility>
 
+#include "engine/core/bytes.h"
 #include "engine/core/file.h"
 #include "engine/core/hash.h"
 #include "engine/core/log.h"
@@ -12,42 +15,6 @@
 
 namespace scree {
 namespace {
-
-// Takes numbers off the front. After the first one that is missing, all are zero and failed().
-class Reader {
- public:
-  explicit Reader(std::string_view content) : rest_(content), total_(content.size()) {}
-
-  template <class T>
-  T number() {
-    T value{};
-    if (const char* from = take(sizeof value)) std::memcpy(&value, from, sizeof value);
-    return value;
-  }
-  std::string_view text() {
-    const auto length = number<uint32_t>();
-    const char* from = take(length);
-    return from ? std::string_view(from, length) : std::string_view{};
-  }
-  // `count` items of `size` bytes; nullptr if there are fewer.
-  const char* take(uint64_t count, uint64_t size = 1) {
-    if (failed_ || (size && count > rest_.size() / size)) {
-      failed_ = true;
-      return nullptr;
-    }
-    const char* from = rest_.data();
-    rest_.remove_prefix(count * size);
-    return from;
-  }
-  bool failed() const { return failed_; }
-  bool atEnd() const { return rest_.empty(); }
-  size_t offset() const { return total_ - rest_.size(); }
-
- private:
-  std::string_view rest_;
-  size_t total_;
-  bool failed_ = false;
-};
 
 uint32_t uint32At(const char* from, size_t index) {
   uint32_t value;
@@ -66,6 +33,10 @@ struct LoadedSingleton {
   const char* packed;
 };
 
+struct LoadedPart {
+  std::string_view name, bytes;
+};
+
 // What the file holds, complete and checked, before it replaces the World's content.
 class Loading {
  public:
@@ -74,10 +45,9 @@ class Loading {
   // The error's line without the file, or nothing.
   std::optional<std::string> read() {
     for (auto step : {&Loading::readComponents, &Loading::readHandles, &Loading::readTables,
-                      &Loading::readSingletons}) {
+                      &Loading::readSingletons, &Loading::readParts}) {
       if (auto error = (this->*step)()) return error;
     }
-    if (!reader_.atEnd()) return fmt::format("unknown content at byte {}", offset());
     return {};
   }
 
@@ -85,6 +55,7 @@ class Loading {
   std::vector<uint32_t> free_indices;
   std::vector<std::unique_ptr<Table>> tables;
   std::vector<LoadedSingleton> singletons;
+  std::vector<LoadedPart> parts;
 
  private:
   using MaybeError = std::optional<std::string>;
@@ -238,7 +209,26 @@ class Loading {
     return {};
   }
 
-  Reader reader_;
+  MaybeError readParts() {
+    if (reader_.atEnd()) return {};
+    const auto count = reader_.number<uint32_t>();
+    for (uint32_t i = 0; i < count; ++i) {
+      const std::string_view name = reader_.text();
+      const auto size = reader_.number<uint64_t>();
+      const char* bytes = reader_.take(size);
+      if (!bytes) return cut("parts");
+      if (!isPlainName(name)) return fmt::format("part {} has no plain name", i);
+      if (size == 0) return fmt::format("part '{}' is empty", name);
+      for (const LoadedPart& other : parts)
+        if (other.name == name) return fmt::format("part '{}' is there twice", name);
+      parts.push_back({name, {bytes, size}});
+    }
+    if (reader_.failed()) return cut("parts");
+    if (count == 0 || !reader_.atEnd()) return fmt::format("unknown content at byte {}", offset());
+    return {};
+  }
+
+  ByteReader reader_;
   VersionClock& clock_;
   std::vector<const ComponentInfo*> infos_;
   std::vector<bool> is_free_;
@@ -249,7 +239,7 @@ Result<std::string_view> checkedBody(std::string_view content) {
   if (content.size() < kSaveHeaderBytes + kSaveTrailerBytes)
     return Error{fmt::format("{} bytes: too short for a saved world", content.size())};
   if (!content.starts_with(kSaveMagic)) return Error{"not a saved world"};
-  Reader header(content.substr(kSaveMagic.size()));
+  ByteReader header(content.substr(kSaveMagic.size()));
   const auto version = header.number<uint32_t>();
   if (version != kSaveVersion)
     return Error{fmt::format("version {}; this program reads {}", version, kSaveVersion)};
@@ -301,6 +291,18 @@ Status World::loadBytes(std::string_view content, std::string_view where) {
   if (const auto error = loading.read()) return Error{fmt::format("{}: {}", where, *error)};
 
   WorldState& state = *state_;
+  // What the owners of parts say of theirs, before anything is replaced.
+  std::vector<std::function<void()>> put_in_place;
+  for (const WorldState::Part& part : state.parts) {
+    if (!part.claimed.load) continue;
+    std::string_view bytes;
+    for (const LoadedPart& loaded : loading.parts)
+      if (loaded.name == part.name) bytes = loaded.bytes;
+    auto put = part.claimed.load(bytes, static_cast<uint32_t>(loading.slots.size()));
+    if (!put.ok()) return Error{fmt::format("{}: part '{}': {}", where, part.name, put.error())};
+    put_in_place.push_back(std::move(put).value());
+  }
+
   state.slots.restore(std::move(loading.slots), std::move(loading.free_indices));
   state.tables = std::move(loading.tables);
   state.table_of_mask.clear();
@@ -313,6 +315,31 @@ Status World::loadBytes(std::string_view content, std::string_view where) {
     void* value = state.singletons.get(singleton.info->id, nullptr, true);
     unpackValue(*singleton.info, singleton.packed, static_cast<std::byte*>(value));
   }
+  std::erase_if(state.parts, [](const WorldState::Part& part) { return !part.claimed.load; });
+  for (const LoadedPart& loaded : loading.parts)
+    if (WorldState::Part& part = state.partOf(loaded.name); !part.claimed.load)
+      part.unclaimed = loaded.bytes;
+  for (const auto& put : put_in_place) put();
+  return Done{};
+}
+
+WorldState::Part& WorldState::partOf(std::string_view name) {
+  const auto at = std::lower_bound(parts.begin(), parts.end(), name,
+                                   [](const Part& a, std::string_view b) { return a.name < b; });
+  if (at != parts.end() && at->name == name) return *at;
+  return *parts.insert(at, Part{std::string(name), {}, {}});
+}
+
+Status World::setPart(std::string_view name, SavedPart owner) {
+  state_->requireAlone("setPart");
+  if (!isPlainName(name)) fail(fmt::format("World::setPart: '{}' is no plain name", name));
+  WorldState::Part& part = state_->partOf(name);
+  part.claimed = std::move(owner);
+  const std::string bytes = std::exchange(part.unclaimed, {});
+  if (bytes.empty()) return Done{};
+  auto put = part.claimed.load(bytes, static_cast<uint32_t>(state_->slots.slots().size()));
+  if (!put.ok()) return Error{fmt::format("part '{}': {}", name, put.error())};
+  put.value()();
   return Done{};
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "engine/core/bytes.h"
 #include "engine/core/file.h"
 #include "engine/core/hash.h"
 #include "engine/core/log.h"
@@ -12,19 +13,6 @@
 
 namespace scree {
 namespace {
-
-class Writer {
- public:
-  template <class T>
-  void number(T value) {
-    content.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  void text(std::string_view value) {
-    number(static_cast<uint32_t>(value.size()));
-    content.append(value);
-  }
-  std::string content;
-};
 
 // The tables that become one in the file, in the order of the first.
 struct SavedTable {
@@ -53,7 +41,7 @@ std::vector<SavedTable> savedTables(const WorldState& world) {
   return saved;
 }
 
-void writeComponents(Writer& writer, const std::vector<const ComponentInfo*>& infos) {
+void writeComponents(ByteWriter& writer, const std::vector<const ComponentInfo*>& infos) {
   writer.number(static_cast<uint32_t>(infos.size()));
   for (const ComponentInfo* info : infos) {
     writer.text(info->name);
@@ -66,11 +54,25 @@ void writeComponents(Writer& writer, const std::vector<const ComponentInfo*>& in
   }
 }
 
-void writeHandles(Writer& writer, const EntitySlots& slots) {
+void writeHandles(ByteWriter& writer, const EntitySlots& slots) {
   writer.number(static_cast<uint32_t>(slots.slots().size()));
   for (const EntitySlots::Slot& slot : slots.slots()) writer.number(slot.generation);
   writer.number(static_cast<uint32_t>(slots.freeIndices().size()));
   for (uint32_t index : slots.freeIndices()) writer.number(index);
+}
+
+void writeParts(ByteWriter& writer, const std::vector<WorldState::Part>& parts) {
+  std::vector<std::pair<std::string_view, std::string>> filled;
+  for (const WorldState::Part& part : parts)
+    if (std::string bytes = part.claimed.save ? part.claimed.save() : part.unclaimed; !bytes.empty())
+      filled.emplace_back(part.name, std::move(bytes));
+  if (filled.empty()) return;
+  writer.number(static_cast<uint32_t>(filled.size()));
+  for (const auto& [name, bytes] : filled) {
+    writer.text(name);
+    writer.number(static_cast<uint64_t>(bytes.size()));
+    writer.content.append(bytes);
+  }
 }
 
 }  // namespace
@@ -88,7 +90,7 @@ std::string WorldState::saved() const {
     infos.push_back(info);
   }
 
-  Writer writer;
+  ByteWriter writer;
   writer.content = kSaveMagic;
   writer.number(kSaveVersion);
   writer.number(uint64_t{0});  // the size, filled in below
@@ -121,6 +123,7 @@ std::string WorldState::saved() const {
     writer.number(index_of[info->id]);
     packValue(*info, static_cast<const std::byte*>(singletons.find(info->id)), writer.content);
   }
+  writeParts(writer, parts);
 
   const uint64_t bytes = writer.content.size() + kSaveTrailerBytes;
   std::memcpy(writer.content.data() + kSaveMagic.size() + sizeof kSaveVersion, &bytes,

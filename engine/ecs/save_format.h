@@ -7,6 +7,7 @@
 //   tables      uint32 count; each: uint32 components, uint32 index in `components` each;
 //               uint32 rows, uint32 index of the entity each; for each component the packed values
 //   singletons  uint32 count; each: uint32 index in `components`, packed value
+//   parts       only if there are any: uint32 count; each: text name, uint64 size, bytes (see SavedPart)
 //   trailer     uint64 hashBytes of all before
 //
 // A text is a uint32 length and its characters. Transient components are left out; tables that

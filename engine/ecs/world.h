@@ -11,6 +11,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -44,6 +45,17 @@ struct TableRows {
 struct FlushResult {
   size_t applied = 0;
   size_t refused = 0;  // named an entity that was dead by then
+};
+
+// State of a module that is not in tables or singletons, saved and loaded with a World. It is not
+// hashed: what it holds must show in the components sooner or later.
+struct SavedPart {
+  // Its bytes; empty: there is nothing to save.
+  std::function<std::string()> save;
+  // Checks bytes that save() may have made and returns what puts them in place, which must not
+  // fail. Empty bytes: the file has none. Until that is called nothing may change. The handles of
+  // the file's entities have indices below `handles`.
+  std::function<Result<std::function<void()>>(std::string_view bytes, uint32_t handles)> load;
 };
 
 class World {
@@ -185,14 +197,17 @@ class World {
   uint64_t stateHash();
   // The same without any cached part: for tests, and to find a write that marked no column.
   uint64_t stateHashFromScratch() const;
-  // Everything that stateHash covers, the order of tables and rows, and the free handles, so that
-  // the simulation goes on exactly as it would have.
+  // Everything that stateHash covers, the order of tables and rows, the free handles, and the
+  // parts, so that the simulation goes on exactly as it would have.
   Status save(const std::filesystem::path& path) const;
   // Replaces all entities and all singletons that are saved; on an error nothing has changed.
   Status load(const std::filesystem::path& path);
   // The same without a file; `where` begins the line of an error.
   std::string saveBytes() const;
   Status loadBytes(std::string_view content, std::string_view where);
+  // Gives a part its owner. A file's part that has none is kept as it is: saved again, and loaded
+  // here as soon as its owner comes, whose error is returned. A name is printable, without spaces.
+  Status setPart(std::string_view name, SavedPart owner);
 
  private:
   friend class Schedule;

@@ -48,6 +48,15 @@ struct WorldState {
   std::vector<std::byte> permuted;
   std::vector<uint64_t> permutation_seen;
 
+  // By name.
+  struct Part {
+    std::string name;
+    SavedPart claimed;
+    std::string unclaimed;  // bytes of a file; its owner has not come yet
+  };
+  std::vector<Part> parts;
+  Part& partOf(std::string_view name);  // made if there is none
+
   // Ends the program with one line unless the caller is alone with the World.
   void requireAlone(std::string_view operation) const;
 

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/core/bytes.h"
 #include "modules/grains/bodies.h"
 #include "modules/grains/collider.h"
 #include "modules/grains/grid.h"
@@ -126,6 +128,12 @@ struct PairLists {
   // (kNoSlot: none), and from `joining`.
   void build(const Grid& grid, const Bodies& bodies, const PairLists& old,
              std::span<const uint32_t> before, std::span<const JoiningPair> joining);
+  // Of solver saves (saved.h). `rolling` and `bouncing` are set before; slab s has the bodies from
+  // slab_begin[s] to slab_begin[s + 1]; `in_force`: the passes will use these lists. Returns what is
+  // wrong; empty: nothing.
+  void save(ByteWriter& out) const;
+  std::string restore(ByteReader& in, std::span<const uint32_t> slab_begin, const Bodies& bodies,
+                      bool in_force);
   // Grains that are listed.
   uint32_t bodyCount() const { return static_cast<uint32_t>(slab_of.size()); }
   size_t memoryBytes() const;
@@ -136,6 +144,9 @@ struct PairLists {
   void find(const Grid& grid, const Bodies& bodies, uint32_t s);
   void batch(const Grid& grid, const Bodies& bodies, uint32_t s);
   void fill(uint32_t s, const Bodies& bodies);
+  // Makes room for all lanes, none of them used.
+  void fillIdle(uint32_t s);
+  void mixMaterials(PairSlab& own, uint32_t contact, const Bodies& bodies) const;
 
   KeptPairs kept_;
   std::vector<uint32_t> slot_now_;  // of each slot in `old`
@@ -200,6 +211,10 @@ struct ColliderLists {
   // As swept last, by key.
   std::span<const Swept> swept() const { return swept_; }
   const Swept* sweptLast(const Collider& collider) const;  // null if it was not there, or different
+  // As those of PairLists.
+  void save(ByteWriter& out) const;
+  std::string restore(ByteReader& in, std::span<const uint32_t> slab_begin, const Bodies& bodies,
+                      bool in_force);
   size_t memoryBytes() const;
 
  private:

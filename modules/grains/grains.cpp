@@ -27,6 +27,7 @@ GrainsState::GrainsState(World& world_in)
 void addGrains(App& app) {
   const auto state = std::make_shared<grains::GrainsState>(app.world());
   app.world().singleton<GrainStats>();
+  grains::addToSaves(state);
   app.addTarget(grains::kVisibleTarget, {.format = GL_R32UI});
 
   app.addSystem(grains::spawnSystem(state));

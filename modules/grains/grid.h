@@ -60,6 +60,10 @@ class Grid {
   // of another one there. `met`: working memory.
   bool moveAlone(uint32_t slot, vec3 position, float reach, std::vector<uint32_t>& met);
 
+  // What a search left behind, from where its slabs begin (one more than there are slabs) and the
+  // bodies' references. Nothing can be searched for before the next plan().
+  void restore(std::span<const uint32_t> slab_begin, const Bodies& bodies);
+
   size_t memoryBytes() const;
 
  private:

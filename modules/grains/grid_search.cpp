@@ -24,6 +24,23 @@ void Grid::read(const Bodies& bodies) {
   }
 }
 
+void Grid::restore(std::span<const uint32_t> slab_begin, const Bodies& bodies) {
+  slabs_ = static_cast<uint32_t>(slab_begin.size() - 1);
+  buckets_a_slab_ = 1;
+  bucket_begin_.assign(slab_begin.begin(), slab_begin.end());
+  level_count_ = 0;
+  const uint32_t n = slab_begin.back();
+  reach_.resize(n + kMostLanes);
+  read(bodies);  // radii; those awake may have moved since
+  for (uint32_t k = 0; k < n; ++k) {
+    const Reference& reference = bodies.reference[k];
+    x_[k] = reference.position.x;
+    y_[k] = reference.position.y;
+    z_[k] = reference.position.z;
+    reach_[k] = bodies.body[k].radius + reference.margin;
+  }
+}
+
 // Collects the ranges to look at, so that the kernel is called for many at once.
 class Grid::Finder {
  public:

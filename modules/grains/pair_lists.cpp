@@ -178,13 +178,7 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
   }
   own.count = end;
   own.border.clear();
-  remake(own.i, end);
-  remake(own.j, end);
-  const uint32_t idle = static_cast<uint32_t>(slab_of.size()) + s * kIdleBodies;
-  for (uint32_t k = 0; k < end; ++k) {
-    own.i[k] = idle + k % kBatch;
-    own.j[k] = idle + kBatch + k % kBatch;
-  }
+  fillIdle(s);
   eachPair([&](uint32_t k, uint32_t i, uint32_t found) {
     const uint32_t j = slotOf(found);
     const uint32_t contact = own.colour_count[own.colour[k]]++;
@@ -192,6 +186,24 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
     own.i[contact] = i;
     own.j[contact] = j;
   });
+}
+
+void PairLists::fillIdle(uint32_t s) {
+  PairSlab& own = slab[s];
+  remake(own.i, own.count);
+  remake(own.j, own.count);
+  const uint32_t idle = static_cast<uint32_t>(slab_of.size()) + s * kIdleBodies;
+  for (uint32_t k = 0; k < own.count; ++k) {
+    own.i[k] = idle + k % kBatch;
+    own.j[k] = idle + kBatch + k % kBatch;
+  }
+}
+
+void PairLists::mixMaterials(PairSlab& own, uint32_t contact, const Bodies& bodies) const {
+  const uint32_t b = contact / kBatch, lane = contact % kBatch;
+  const GrainMaterial &i = bodies.material[own.i[contact]], &j = bodies.material[own.j[contact]];
+  if (rolling) own.rolling[b].friction[lane] = std::max(i.rolling_friction, j.rolling_friction);
+  if (bouncing) own.bouncing[b].restitution[lane] = std::max(i.restitution, j.restitution);
 }
 
 void PairLists::fill(uint32_t s, const Bodies& bodies) {
@@ -205,10 +217,7 @@ void PairLists::fill(uint32_t s, const Bodies& bodies) {
   for (uint32_t c = 0; c < own.count; ++c) {
     const uint32_t i = own.i[c], j = own.j[c], b = c / kBatch, lane = c % kBatch;
     if (i >= bodies.count) continue;
-    const GrainMaterial &mi = bodies.material[i], &mj = bodies.material[j];
-    if (rolling)
-      own.rolling[b].friction[lane] = std::max(mi.rolling_friction, mj.rolling_friction);
-    if (bouncing) own.bouncing[b].restitution[lane] = std::max(mi.restitution, mj.restitution);
+    mixMaterials(own, c, bodies);
     if (kept_.contact.empty()) continue;
     const uint32_t low = std::min(i, j), high = std::max(i, j);
     const float sign = i < j ? 1.0f : -1.0f;

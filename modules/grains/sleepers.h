@@ -12,8 +12,10 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "engine/core/bytes.h"
 #include "modules/grains/bodies.h"
 #include "modules/grains/collider.h"
 #include "modules/grains/contacts.h"
@@ -113,9 +115,16 @@ class Sleepers {
   // Null: nothing sleeps on it.
   const WallLoad* loadOn(uint32_t key) const;
 
+  // In solver saves (saved.h): sleepers are numbered from 0 on; saved_berth[berth] is the number.
+  void save(ByteWriter& out, std::vector<uint32_t>& saved_berth) const;
+  // Into an empty store, where the number is the berth. Returns what is wrong; empty: nothing.
+  std::string restore(ByteReader& in, uint32_t handles);
+
   size_t memoryBytes() const;
 
  private:
+  std::string restorePairs(ByteReader& in);
+  std::string restoreWalls(ByteReader& in);
   struct PairNode {
     uint32_t other = 0;  // berth
     uint32_t next = kNoSlot;

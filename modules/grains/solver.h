@@ -12,8 +12,12 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "engine/core/bytes.h"
+#include "engine/core/result.h"
 #include "modules/grains/awake_rows.h"
 #include "modules/grains/collider.h"
 #include "modules/grains/contacts.h"
@@ -30,6 +34,9 @@ inline constexpr float kLeastRadius = 1e-5f, kMostRadius = 1e4f;      // m
 inline constexpr float kLeastDensity = 1e-3f, kMostDensity = 1e6f;    // kg/m^3
 inline constexpr float kMostSpeed = 1e5f;                             // m/s and rad/s at the surface
 inline constexpr float kMostDistance = 1e9f;                          // from the field's origin, m
+
+// Whether the numbers are inside these limits.
+bool allowed(float radius, const GrainMaterial& material);
 
 // Which instructions the pair passes use; the results are the same to the bit.
 enum class Lanes : uint32_t { Widest, Baseline };
@@ -68,6 +75,14 @@ class GrainSolver {
   const std::vector<Entity>& lost() const { return lost_; }
   const GrainStats& stats() const { return stats_; }
 
+  // All that the coming ticks depend on beside the rows, the colliders and the parameters, as bytes:
+  // see saved.h. Empty before the first tick.
+  std::string saved() const;
+  // The solver that goes on from there to the bit, given rows, colliders and parameters as they were.
+  // Rows may also have changed in the meantime, as between two ticks. Entities have an index below
+  // `handles`. Error: what is wrong with the bytes.
+  static Result<GrainSolver> restored(std::string_view bytes, uint32_t handles);
+
   // For tests: pairs in the neighbour lists, each once, lower entity index first, sorted.
   std::vector<std::pair<uint32_t, uint32_t>> neighbourPairs() const;
   // Bytes of all arrays: capacity, not use.
@@ -101,6 +116,14 @@ class GrainSolver {
   void searchNeighbours(float h);
   void joinWoken();
   void listColliders(std::span<const Collider> colliders, float dt);
+
+  // Saves, in solver_save.cpp: what is wrong, or nothing.
+  std::string restoreScalars(ByteReader& in, uint32_t handles);
+  std::string restoreBodies(ByteReader& in, uint32_t handles);
+  std::string restoreWoken(ByteReader& in, uint32_t handles);
+  std::string restoreLists(ByteReader& in, uint32_t handles);
+  // Puts idle bodies behind the grains.
+  void padBodies(Bodies& bodies) const;
 
   void readyMasses();
   void shareHeavyLoads();

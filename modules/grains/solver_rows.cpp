@@ -6,22 +6,25 @@
 #include <cstring>
 
 #include "engine/core/parallel.h"
+#include "modules/grains/saved.h"
 #include "modules/grains/solver.h"
 
 namespace scree::grains {
+
+bool allowed(float radius, const GrainMaterial& material) {
+  return radius >= kLeastRadius && radius <= kMostRadius && material.density >= kLeastDensity &&
+         material.density <= kMostDensity && material.friction >= 0 && material.friction <= 1e3f &&
+         material.rolling_friction >= 0 && material.rolling_friction <= 1e3f &&
+         material.restitution >= 0 && material.restitution <= 1;
+}
+
 namespace {
 
-bool finite(vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-bool allowed(const Grain& grain, const GrainVelocity& velocity, const GrainSpin& spin,
-             const GrainOrientation& orientation, const GrainMaterial& material) {
+bool rowAllowed(const Grain& grain, const GrainVelocity& velocity, const GrainSpin& spin,
+                const GrainOrientation& orientation, const GrainMaterial& material) {
   const vec3 p = grain.position;
   const float q = glm::dot(orientation.rotation, orientation.rotation);
-  return grain.radius >= kLeastRadius && grain.radius <= kMostRadius &&
-         material.density >= kLeastDensity && material.density <= kMostDensity &&
-         material.friction >= 0 && material.friction <= 1e3f && material.rolling_friction >= 0 &&
-         material.rolling_friction <= 1e3f && material.restitution >= 0 &&
-         material.restitution <= 1 && finite(p) && std::abs(p.x) <= kMostDistance &&
+  return allowed(grain.radius, material) && finite(p) && std::abs(p.x) <= kMostDistance &&
          std::abs(p.y) <= kMostDistance && std::abs(p.z) <= kMostDistance && q > 0.25f && q < 4 &&
          glm::dot(velocity.linear, velocity.linear) <= kMostSpeed * kMostSpeed &&
          glm::dot(spin.angular, spin.angular) * grain.radius * grain.radius <=
@@ -86,8 +89,8 @@ void GrainSolver::adopt(std::span<const GrainRows> tables) {
   for (const GrainRows& table : tables) {
     for (size_t k = 0; k < table.entity.size(); ++k, ++row) {
       const Entity entity = table.entity[k];
-      if (!allowed(table.grain[k], table.velocity[k], table.spin[k], table.orientation[k],
-                   table.material[k])) {
+      if (!rowAllowed(table.grain[k], table.velocity[k], table.spin[k], table.orientation[k],
+                      table.material[k])) {
         refused_.push_back(entity);
         continue;
       }

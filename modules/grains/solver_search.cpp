@@ -138,13 +138,23 @@ void GrainSolver::gatherNear(float h) {
   partners_.clear();
 }
 
+void GrainSolver::padBodies(Bodies& bodies) const {
+  const size_t n = bodies.count, padded = n + size_t{grid_.slabCount()} * kIdleBodies;
+  bodies.body.resize(padded);
+  for (size_t k = n; k < padded; ++k) {
+    Body idle;
+    idle.radius = 1;
+    idle.position = vec3(1e6f * static_cast<float>((k - n) % kIdleBodies), 0, 0);
+    bodies.body[k] = idle;
+  }
+}
+
 void GrainSolver::searchNeighbours(float h) {
   gatherNear(h);
   const uint32_t n = bodies_.count;
   grid_.plan(bodies_, margin_, order_);
   sorted_.count = n;
-  const size_t padded = size_t{n} + size_t{grid_.slabCount()} * kIdleBodies;
-  sorted_.body.resize(padded);
+  padBodies(sorted_);
   sorted_.entity.resize(n);
   sorted_.material.resize(n);
   sorted_.reference.resize(n);
@@ -165,12 +175,6 @@ void GrainSolver::searchNeighbours(float h) {
     } else {
       sleepers_[sorted_.berth[k]].slot = k;
     }
-  }
-  for (size_t k = n; k < padded; ++k) {
-    Body idle;
-    idle.radius = 1;
-    idle.position = vec3(1e6f * static_cast<float>((k - n) % kIdleBodies), 0, 0);
-    sorted_.body[k] = idle;
   }
   std::swap(bodies_, sorted_);
   for (AwakeRow& awake : awake_) awake.slot = slot_of_[moved_[awake.slot]];

@@ -52,6 +52,8 @@ PassDesc visiblePass(const SharedState& state);     // draw.cpp
 PassDesc drawPass(const SharedState& state);        // draw.cpp
 PassDesc shadowPass(const SharedState& state);      // draw.cpp
 
+// Makes the solver's memory a part of the world's saves.
+void addToSaves(const SharedState& state);  // save.cpp
 // The field's origin, without making the field.
 dvec3 fieldOrigin(World& world);  // spawn.cpp
 // An entity as a message names it: by its Name if it has one.

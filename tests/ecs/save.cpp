@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <random>
 
 #include "engine/core/file.h"
@@ -297,6 +298,72 @@ TEST_F(Save, SaysWhatIsWrong) {
   changed[values - 8] = 2;  // the table's rows
   EXPECT_NE(refused(world, sealed(changed)), "");
   EXPECT_TRUE(world.alive(entity));
+}
+
+// A part that holds a text; it refuses "bad".
+SavedPart partOf(std::string& text) {
+  return {.save = [&] { return text; },
+          .load = [&](std::string_view bytes, uint32_t handles) -> Result<std::function<void()>> {
+            if (bytes == "bad") return Error{fmt::format("bad, of {} handles", handles)};
+            return std::function<void()>([&text, now = std::string(bytes)] { text = now; });
+          }};
+}
+
+TEST_F(Save, CarriesPartsAndRefusesWhatTheirOwnersRefuse) {
+  World world;
+  world.spawn(Marked{});
+  const std::string without = world.saveBytes();
+  std::string first = "", second = "of two\nlines";
+  ASSERT_TRUE(world.setPart("first", partOf(first)).ok());
+  ASSERT_TRUE(world.setPart("another", partOf(second)).ok());
+  const std::string content = world.saveBytes();
+  EXPECT_EQ(content.find("first"), std::string::npos) << "it has nothing to save";
+  second = "changed";
+  first = "changed";
+  ASSERT_TRUE(world.loadBytes(content, "x").ok());
+  EXPECT_EQ(first, "") << "not in the file";
+  EXPECT_EQ(second, "of two\nlines");
+  second = "";
+  EXPECT_EQ(world.saveBytes(), without) << "no part, no byte";
+
+  // Refused: the world and the other parts stay.
+  second = "kept";
+  second = "bad";
+  const std::string refusing = world.saveBytes();
+  second = "kept";
+  EXPECT_EQ(refused(world, refusing), "part 'another': bad, of 1 handles");
+  EXPECT_EQ(second, "kept");
+
+  // Nobody's part is kept, until its owner comes or another file is loaded.
+  second = "for later";
+  const std::string later = world.saveBytes();
+  World other;
+  ASSERT_TRUE(other.loadBytes(later, "x").ok());
+  EXPECT_EQ(other.saveBytes(), later);
+  std::string came;
+  ASSERT_TRUE(other.setPart("another", partOf(came)).ok());
+  EXPECT_EQ(came, "for later");
+  EXPECT_EQ(other.saveBytes(), later);
+  World third;
+  ASSERT_TRUE(third.loadBytes(later, "x").ok());
+  ASSERT_TRUE(third.loadBytes(without, "x").ok());
+  EXPECT_EQ(third.saveBytes(), without);
+  ASSERT_TRUE(third.loadBytes(refusing, "x").ok());
+  EXPECT_EQ(third.setPart("another", partOf(came)).error(), "part 'another': bad, of 1 handles");
+
+  for (size_t size = without.size() - 8; size < content.size(); ++size) {
+    const std::string cut = content.substr(0, size);
+    ASSERT_NE(refused(world, cut), "") << size;
+    if (size > without.size()) {
+      ASSERT_NE(refused(world, sealed(cut)), "") << size;
+    }
+  }
+  std::string nameless = content;
+  nameless[content.find("another")] = ' ';
+  EXPECT_EQ(refused(world, sealed(nameless)), "part 0 has no plain name");
+  std::string none = without;
+  none.insert(none.size() - 8, std::string("\0\0\0\0", 4));
+  EXPECT_NE(refused(world, sealed(none)).find("unknown content"), std::string::npos);
 }
 
 TEST_F(Save, SurvivesRandomDamageBehindTheChecksum) {

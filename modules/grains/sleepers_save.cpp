@@ -1,0 +1,162 @@
+// The store of sleepers to bytes and back: berths and list nodes are numbered anew, on which nothing
+// depends; cells and the sums on colliders follow from the rest.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "modules/grains/saved.h"
+#include "modules/grains/sleepers.h"
+#include "modules/grains/solver.h"
+
+namespace scree::grains {
+
+void Sleepers::save(ByteWriter& out, std::vector<uint32_t>& saved_berth) const {
+  saved_berth.assign(sleeper_.size(), kNoSlot);
+  uint32_t next = 0, pairs = 0, walls = 0;
+  out.number(count_);
+  each([&](uint32_t berth) {
+    saved_berth[berth] = next++;
+    const Sleeper& own = sleeper_[berth];
+    out.number(own.position);
+    out.number(own.radius);
+    out.number(own.entity);
+    out.number(own.material);
+    out.number(own.load);
+    out.number(static_cast<uint8_t>(own.propped));
+    for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) ++pairs;
+    for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) ++walls;
+  });
+  out.number(pairs / 2);
+  each([&](uint32_t berth) {
+    for (uint32_t at = sleeper_[berth].pairs; at != kNoSlot; at = pair_.node[at].next) {
+      const PairNode& node = pair_.node[at];
+      if (node.other < berth) continue;
+      out.number(saved_berth[berth]);
+      out.number(saved_berth[node.other]);
+      out.number(node.impulse);
+      out.number(node.rolling);
+    }
+  });
+  out.number(walls);
+  each([&](uint32_t berth) {
+    for (uint32_t at = sleeper_[berth].walls; at != kNoSlot; at = wall_.node[at].next) {
+      const WallNode& node = wall_.node[at];
+      out.number(saved_berth[berth]);
+      out.number(node.key);
+      out.number(node.impulse);
+      out.number(node.rolling);
+      out.number(node.normal);
+    }
+  });
+}
+
+std::string Sleepers::restore(ByteReader& in, uint32_t handles) {
+  const auto count = in.number<uint32_t>();
+  if (!in.has(count, 65)) return fmt::format("{} sleepers reach beyond the end", count);
+  sleeper_.reserve(count);
+  spot_.reserve(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    Sleeper own;
+    own.position = in.number<vec3>();
+    own.radius = in.number<float>();
+    own.entity = in.number<Entity>();
+    own.material = in.number<GrainMaterial>();
+    own.load = in.number<Load>();
+    own.propped = in.number<uint8_t>() != 0;
+    if (!allowed(own.radius, own.material) || !finite(own.position) || own.entity.index >= handles)
+      return fmt::format("sleeper {}: radius {} m, entity {} of {}, a material or a place that is not allowed",
+                         k, own.radius, own.entity.index, handles);
+    if (!finite(own.load.impulse) || !finite(own.load.carried))
+      return fmt::format("sleeper {}: a load that is not finite", k);
+    lay(own);
+  }
+  std::string wrong = restorePairs(in);
+  if (wrong.empty()) wrong = restoreWalls(in);
+  return wrong;
+}
+
+std::string Sleepers::restorePairs(ByteReader& in) {
+  const auto count = in.number<uint32_t>();
+  if (!in.has(count, 32)) return fmt::format("{} contacts of sleepers reach beyond the end", count);
+  struct End {
+    uint32_t owner, node;
+  };
+  std::vector<End> ends;
+  ends.reserve(size_t{2} * count);
+  pair_.node.reserve(size_t{2} * count);
+  for (uint32_t k = 0; k < count; ++k) {
+    const auto a = in.number<uint32_t>(), b = in.number<uint32_t>();
+    const auto impulse = in.number<vec3>(), rolling = in.number<vec3>();
+    if (a >= b || b >= count_)
+      return fmt::format("contact {} is of sleepers {} and {} of {}", k, a, b, count_);
+    if (!finite(impulse) || !finite(rolling))
+      return fmt::format("contact {} of sleepers has an impulse that is not finite", k);
+    const auto node = static_cast<uint32_t>(pair_.node.size());
+    ends.push_back({a, node});
+    ends.push_back({b, node + 1});
+    pair_.node.push_back({b, kNoSlot, impulse, rolling});
+    pair_.node.push_back({a, kNoSlot, -impulse, -rolling});
+  }
+  std::sort(ends.begin(), ends.end(), [&](const End& a, const End& b) {
+    if (a.owner != b.owner) return a.owner < b.owner;
+    const uint32_t x = pair_.node[a.node].other, y = pair_.node[b.node].other;
+    return std::tie(sleeper_[x].entity, x) < std::tie(sleeper_[y].entity, y);
+  });
+  for (size_t k = ends.size(); k-- > 0;) {  // from the last: each goes to the front of its list
+    uint32_t& first = sleeper_[ends[k].owner].pairs;
+    PairNode& node = pair_.node[ends[k].node];
+    if (first != kNoSlot && pair_.node[first].other == node.other)
+      return fmt::format("sleepers {} and {} touch twice", ends[k].owner, node.other);
+    node.next = first;
+    first = ends[k].node;
+  }
+  contacts_ += count;
+  return {};
+}
+
+std::string Sleepers::restoreWalls(ByteReader& in) {
+  const auto count = in.number<uint32_t>();
+  if (!in.has(count, 44)) return fmt::format("{} sleepers on colliders reach beyond the end", count);
+  std::vector<uint32_t> owner;
+  owner.reserve(count);
+  wall_.node.reserve(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    owner.push_back(in.number<uint32_t>());
+    WallNode node;
+    node.key = in.number<uint32_t>();
+    node.impulse = in.number<vec3>();
+    node.rolling = in.number<vec3>();
+    node.normal = in.number<vec3>();
+    const bool later =
+        k == 0 || owner[k - 1] < owner[k] ||
+        (owner[k - 1] == owner[k] && wall_.node.back().key < node.key);
+    if (owner[k] >= count_ || !later)
+      return fmt::format("sleepers on colliders are out of order at {}: sleeper {} of {}", k, owner[k],
+                         count_);
+    if (!finite(node.impulse) || !finite(node.rolling) || !finite(node.normal))
+      return fmt::format("sleeper {} presses on a collider with an impulse that is not finite", owner[k]);
+    wall_.node.push_back(node);
+  }
+  for (uint32_t k = count; k-- > 0;) {
+    uint32_t& first = sleeper_[owner[k]].walls;
+    wall_.node[k].next = first;
+    first = k;
+  }
+  std::vector<uint32_t> keys;
+  keys.reserve(count);
+  for (const WallNode& node : wall_.node) keys.push_back(node.key);
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  for (const uint32_t key : keys) wall_load_.push_back({key, 0, {}});
+  for (const WallNode& node : wall_.node) {
+    WallLoad& load = wallLoad(node.key);
+    ++load.contacts;
+    for (int axis = 0; axis < 3; ++axis)
+      load.impulse[static_cast<size_t>(axis)].add(node.impulse[axis]);
+  }
+  contacts_ += count;
+  return {};
+}
+
+}  // namespace scree::grains
