@@ -107,6 +107,15 @@ const std::vector<Scene>& scenes() {
                    {static_cast<float>(tick % 7) - 3, 5, 1});
        },
        500},
+      {"falls together",
+       [](Bed& bed) {
+         pour(bed, 6, 5, 0.05f, 6, 0.3f, {1000, 0.5f, 0.02f, 0});
+         for (Grain& grain : bed.grain) grain.position.y += 1.5f;
+         for (GrainVelocity& v : bed.velocity) v.linear.y = -2;
+         bed.addBox({0, 0.3f, 0}, {0.15f, 0.01f, 0.15f}, 0.5f);
+         sense(bed);
+       },
+       [](Bed& bed, int tick) { moveBox(bed, shake(tick) + vec3(0, 0.002f, 0)); }, 150},
       {"comings and goings",
        [](Bed& bed) {
          bed.parameters.bounds_min.y = -0.3f;
@@ -157,12 +166,12 @@ TEST(Save, GoesOnToTheBit) {
           const std::string bytes = bed.solver.saved();
           auto solver = GrainSolver::restored(bytes, bed.next);
           ASSERT_TRUE(solver.ok()) << scene.name << " at " << tick << ": " << solver.error();
-          EXPECT_EQ(solver->saved(), bytes) << scene.name << " at " << tick;
+          EXPECT_TRUE(solver->saved() == bytes) << scene.name << " at " << tick;
           run.bed.solver = std::move(solver).value();
           runs.push_back(std::move(run));
           ++saved;
           with_sleepers += bed.asleep() > 0;
-          next += 1 + static_cast<int>(random() % 60);
+          next += 1 + static_cast<int>(random() % (scene.ticks < 200 ? 10 : 60));
         }
         const bool as_left = bed.entity.size() == bed.rest.size() && tick % 3 == 0 && scene.ticks == 1000;
         scene.act(bed, tick);
