@@ -11,13 +11,16 @@ endif()
 install(TARGETS ${libraries} EXPORT scree_targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT scree_targets NAMESPACE scree:: FILE screeTargets.cmake DESTINATION ${package_dir})
 
-# Headers: all of an engine part, of a module its public one. Shaders: those of the parts, and what
-# they share.
+# Headers: all of an engine part, of a module its public one with those of its folder that this one
+# includes. Shaders: those of the parts, and what they share.
 foreach(part IN LISTS SCREE_BUILT ITEMS shared lib)
   if(EXISTS ${PROJECT_SOURCE_DIR}/engine/${part})
     install(DIRECTORY engine/${part} DESTINATION include/scree/engine FILES_MATCHING PATTERN "*.h")
   elseif(EXISTS ${PROJECT_SOURCE_DIR}/modules/${part})
-    install(FILES modules/${part}/${part}.h DESTINATION include/scree/modules/${part})
+    file(STRINGS ${PROJECT_SOURCE_DIR}/modules/${part}/${part}.h headers
+         REGEX "^#include \"modules/${part}/")
+    list(TRANSFORM headers REPLACE "^#include \"(.*)\".*" "\\1")
+    install(FILES modules/${part}/${part}.h ${headers} DESTINATION include/scree/modules/${part})
   endif()
   if(EXISTS ${PROJECT_SOURCE_DIR}/shaders/${part})
     install(DIRECTORY shaders/${part} DESTINATION ${data_dir}/shaders)

@@ -17,7 +17,13 @@ GrainsState::GrainsState(World& world_in)
       boxes(world_in.query<const Transform, const BoxCollider>()),
       capsules(world_in.query<const Transform, const CapsuleCollider>()),
       regions(world_in.query<const Transform, RegionSensor>()),
-      loads(world_in.query<LoadSensor>()) {
+      loads(world_in.query<LoadSensor>()),
+      seen(world_in.query<const Grain, const GrainVelocity, const GrainMaterial>()),
+      emitters(world_in.query<const Transform, const GrainEmitter>()),
+      sinks(world_in.query<const Transform, const GrainSink>()),
+      force_query(world_in.query<const Transform, const GrainForce>()),
+      blow_query(world_in.query<const Transform, const GrainBlow>()),
+      grids(world_in.query<const Transform, const GrainGrid>()) {
   draw.drawn = world_in.query<const Grain, const GrainPrevious, const GrainOrientation,
                               const GrainSpin, const GrainLook>();
 }
@@ -28,10 +34,16 @@ void addGrains(App& app) {
   const auto state = std::make_shared<grains::GrainsState>(app.world());
   app.world().singleton<GrainStats>();
   grains::addToSaves(state);
+  app.world().singleton<GrainStrikes>();
+  app.world().singleton<GrainGrids>();
   app.addTarget(grains::kVisibleTarget, {.format = GL_R32UI});
 
   app.addSystem(grains::spawnSystem(state));
+  app.addSystem(grains::emitSystem(state));
+  app.addSystem(grains::pushSystem(state));
   app.addSystem(grains::stepSystem(state));
+  app.addSystem(grains::sinkSystem(state));
+  app.addSystem(grains::splatSystem(state));
   app.addSystem(grains::uploadSystem(state));
 
   app.addPass(grains::visiblePass(state));

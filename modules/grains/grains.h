@@ -2,7 +2,8 @@
 // Solver: projected Gauss-Seidel on velocities with contact impulses kept from substep to substep
 // (Catto, "Iterative Dynamics with Temporal Coherence", 2005), small steps (Macklin et al., "Small
 // Steps in Physics Simulation", 2019), and a separate position projection.
-// In: grains, colliders with a Transform, blocks of grains. Out: moved grains, sensor readings.
+// In: grains, colliders with a Transform, blocks of grains, and what interplay.h lists. Out: moved
+// grains, sensor readings.
 // Cost: see README.md; with no grain in the world nothing runs and nothing is allocated.
 #pragma once
 
@@ -14,6 +15,7 @@
 #include "engine/core/math.h"
 #include "engine/core/result.h"
 #include "engine/ecs/world.h"
+#include "modules/grains/interplay.h"
 
 namespace scree {
 
@@ -240,9 +242,9 @@ inline float grainMass(float radius, float density) {
   return 4.18879020f * radius * radius * radius * density;
 }
 
-// Registers the systems grains.spawn, grains.step (Simulate) and grains.upload (Prepare), and the
-// passes grains.visible and grains.draw (Geometry: who is seen, then the G-buffer) and grains.shadow
-// (writes the shadow map).
+// Registers the systems grains.spawn, grains.emit, grains.push, grains.step, grains.sink and
+// grains.splat (Simulate) and grains.upload (Prepare), and the passes grains.visible and grains.draw
+// (Geometry: who is seen, then the G-buffer) and grains.shadow (writes the shadow map).
 // Call after addScene and addDeferred, and after the systems that move colliders.
 void addGrains(App& app);
 

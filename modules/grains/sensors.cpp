@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "modules/grains/state.h"
+#include "modules/grains/region.h"
 
 namespace scree::grains {
 
@@ -21,27 +21,64 @@ void senseLoads(GrainsState& state) {
   });
 }
 
+namespace {
+
+// Nanograms as integers: a sum that does not depend on the order of the grains.
+struct Sum {
+  uint32_t count = 0;
+  int64_t mass = 0;
+  void add(float radius, float density) {
+    ++count;
+    const double grain_mass = grainMass(radius, density);
+    mass += static_cast<int64_t>(std::min(grain_mass, 1e6) * 1e9);
+  }
+};
+
+// Kept until a sleeper wakes, one falls asleep, or the sensor changes.
+Sum sumOfSleepers(GrainsState& state, const Region& region, const RegionOfSleepers& now, size_t at) {
+  if (at >= state.regions_of_sleepers.size()) state.regions_of_sleepers.resize(at + 1);
+  RegionOfSleepers& kept = state.regions_of_sleepers[at];
+  const Transform &a = kept.transform, &b = now.transform;
+  if (kept.entity == now.entity && kept.changes == now.changes && kept.origin == now.origin &&
+      kept.half_extent == now.half_extent && a.position == b.position &&
+      a.rotation == b.rotation && a.scale == b.scale)
+    return {kept.count, kept.mass};
+  Sum sum;
+  eachSleeperNear(state, region.low, region.high, [&](uint32_t berth) {
+    const Sleeper& sleeper = state.solver.sleepers()[berth];
+    if (region.holds(sleeper.position)) sum.add(sleeper.radius, sleeper.material.density);
+  });
+  kept = now;
+  kept.count = sum.count;
+  kept.mass = sum.mass;
+  return sum;
+}
+
+}  // namespace
+
 void senseRegions(GrainsState& state, const dvec3& origin, bool asleep) {
   if (state.regions.empty() || (asleep && state.regions.version() == state.regions_seen)) return;
-  state.regions.each([&](const Transform& transform, RegionSensor& sensor) {
-    const mat3 world_from_local = glm::mat3_cast(glm::normalize(transform.rotation));
-    const vec3 centre = vec3(transform.position - origin);
-    const vec3 half = sensor.half_extent * glm::abs(transform.scale);
-    uint32_t count = 0;
-    // Nanograms as integers: a sum that does not depend on the order of the grains.
-    int64_t mass = 0;
-    state.world.query<const Grain, const GrainMaterial>().each(
-        [&](const Grain& grain, const GrainMaterial& material) {
-          const vec3 local = (grain.position - centre) * world_from_local;
-          if (!(std::abs(local.x) <= half.x && std::abs(local.y) <= half.y &&
-                std::abs(local.z) <= half.z))
-            return;
-          ++count;
-          const double grain_mass = grainMass(grain.radius, material.density);
-          mass += static_cast<int64_t>(std::min(grain_mass, 1e6) * 1e9);
-        });
-    sensor.count = count;
-    sensor.mass = static_cast<float>(static_cast<double>(mass) * 1e-9);
+  const bool solver_knows = state.solver.current();
+  size_t at = 0;
+  state.regions.each([&](Entity entity, const Transform& transform, RegionSensor& sensor) {
+    const Region region = regionOf(transform, sensor.half_extent, 0, origin);
+    Sum sum;
+    if (solver_knows) {
+      sum = sumOfSleepers(state, region,
+                          {entity, transform, sensor.half_extent, origin,
+                           state.solver.sleepers().changes(), 0, 0},
+                          at++);
+      state.solver.eachAwake([&](Entity, const Body& body, const GrainMaterial& material) {
+        if (region.holds(body.position)) sum.add(body.radius, material.density);
+      });
+    } else {
+      state.world.query<const Grain, const GrainMaterial>().each(
+          [&](const Grain& grain, const GrainMaterial& material) {
+            if (region.holds(grain.position)) sum.add(grain.radius, material.density);
+          });
+    }
+    sensor.count = sum.count;
+    sensor.mass = static_cast<float>(static_cast<double>(sum.mass) * 1e-9);
   });
   state.regions_seen = state.regions.version();
 }

@@ -31,6 +31,7 @@ void GrainSolver::findDisturbed(std::span<const Collider> colliders,
     sleepers_.each([&](uint32_t berth) { waking_.push_back(berth); });
     return;
   }
+  findPushed(parameters);
   size_t staying = 0;
   for (const Collider& collider : colliders) {
     const bool same = walls_.sweptLast(collider) != nullptr;
@@ -140,7 +141,8 @@ void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
 }
 
 // Counts how long each grain has been still, and lets those fall asleep that are due.
-void GrainSolver::settle(std::span<const GrainRows> tables, vec3 gravity_step, float dt) {
+void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters& parameters,
+                         vec3 gravity_step, float dt) {
   settled_.assign(bodies_.count, kStill);  // as sleepers are
   size_t due = 0;
   eachRow(tables, awake_, [&](const GrainRows& table, size_t k, uint32_t slot) {
@@ -152,7 +154,8 @@ void GrainSolver::settle(std::span<const GrainRows> tables, vec3 gravity_step, f
                w = table.spin[k].angular * radius;
     const float most = kStillWay * radius;
     if (!(glm::dot(way, way) <= most * most) ||
-        !(glm::dot(v, v) + glm::dot(w, w) <= kStillSpeed * kStillSpeed)) {
+        !(glm::dot(v, v) + glm::dot(w, w) <= kStillSpeed * kStillSpeed) ||
+        wakesAny(parameters.forces, table.grain[k].position)) {
       rest = {table.grain[k].position, 0, false};
       return;
     }
@@ -275,6 +278,7 @@ void GrainSolver::addSleepersLoads(std::span<Collider> colliders, int substeps) 
 bool GrainSolver::sleepOn(std::span<Collider> colliders, const StepParameters& parameters) {
   if (!awake_.empty() || sleepers_.count() == 0 || adopt_due_ || !refused_.empty() || !lost_.empty())
     return false;
+  strikes_.begin(parameters.strikes, parameters.substeps);
   findDisturbed(colliders, parameters);
   if (!waking_.empty()) {
     waking_.clear();  // step() finds them again

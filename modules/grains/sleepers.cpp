@@ -73,6 +73,7 @@ uint32_t Sleepers::lay(const Sleeper& sleeper) {
   const int level = levelOf(own.radius);
   spot_[berth] = {own.position, own.radius, kNoSlot, level};
   ++members_[static_cast<size_t>(level)];
+  ++changes_;
   if (++count_ > bucket_.size() / 2) {
     growTable();  // finds this one too
   } else {
@@ -233,6 +234,7 @@ void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<W
   if (bucket_[bucket] == kNoSlot) occupied_[bucket / 64] &= ~(uint64_t{1} << bucket % 64);
   --members_[static_cast<size_t>(spot.level)];
   --count_;
+  ++changes_;
   own = Sleeper{};
   spot = Spot{};
   spot.next = free_;

@@ -67,6 +67,8 @@ class Sleepers {
  public:
   uint32_t count() const { return count_; }
   uint32_t contacts() const { return contacts_; }
+  // Counts each that falls asleep or wakes.
+  uint64_t changes() const { return changes_; }
   // A berth is a sleeper's place in here; it keeps it until it wakes.
   Sleeper& operator[](uint32_t berth) { return sleeper_[berth]; }
   const Sleeper& operator[](uint32_t berth) const { return sleeper_[berth]; }
@@ -155,6 +157,7 @@ class Sleepers {
   std::vector<Sleeper> sleeper_;
   std::vector<Spot> spot_;
   uint32_t free_ = kNoSlot, count_ = 0, contacts_ = 0;
+  uint64_t changes_ = 0;
   Pool<PairNode> pair_;
   Pool<WallNode> wall_;
   std::vector<WallLoad> wall_load_;  // by key

@@ -14,6 +14,11 @@ namespace {
 // Grains a task of the loops over all grains.
 constexpr size_t kChunk = 8192;
 
+// What forces add to the velocity in the substep, at whose begin the grain had `velocity_before`.
+vec3 pushOn(const Body& grain, std::span<const Force> forces, float h) {
+  return pushOf(forces, grain.position + 0.5f * h * grain.velocity_before, grain.velocity_before, h);
+}
+
 }  // namespace
 
 float substepOf(const StepParameters& parameters) {
@@ -25,11 +30,15 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
                        const StepParameters& parameters, RowsAre rows) {
   refused_.clear();
   lost_.clear();
+  strikes_.begin(parameters.strikes, parameters.substeps);
   for (Collider& collider : colliders) {
     collider.load = glm::dvec3(0);
     collider.load_contacts = 0;
   }
-  if (!(parameters.dt > 0)) return;
+  if (!(parameters.dt > 0)) {
+    adopt_due_ = true;  // whatever is new is looked at in the next one
+    return;
+  }
   const float dt = std::min(parameters.dt, kLongestTick);
   const int substeps = std::clamp(parameters.substeps, 1, 64);
   const float h = substepOf(parameters);
@@ -50,6 +59,10 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
     readRows(tables);
   }
   findDisturbed(colliders, parameters);
+  if (!parameters.blows.empty()) {
+    wake(tables, gravity_step);
+    strikeBlows(parameters.blows);
+  }
   findStruck(parameters);
   wake(tables, gravity_step);
   if (last_h_ > 0 && h != last_h_) scaleKeptImpulses(h / last_h_);
@@ -67,20 +80,21 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
 
   for (int substep = 0; substep < substeps; ++substep) {
     ++age_;
-    predict(gravity_step, h);
+    predict(gravity_step, h, parameters.forces);
     if (!strays_.empty() && (search_due_ || !followStrays(h))) search_due_ = left_margin_ = true;
     if (search_due_) searchNeighbours(h);
     if (walls_due_) listColliders(colliders, dt);
     relax(colliders, parameters, h, substep);
     collectLoads(colliders, substep + 1 == substeps);
-    move(gravity_step, h, keep);
+    move(gravity_step, h, keep, parameters.forces);
   }
   addSleepersLoads(colliders, substeps);
   findUnbalanced(gravity_step);
   writeRows(tables, parameters, dt);
   measure();
   wake(tables, gravity_step);
-  settle(tables, gravity_step, dt);
+  settle(tables, parameters, gravity_step, dt);
+  strikes_.close();
   adopt_due_ = adopt_due_ || !lost_.empty() || !refused_.empty();
 }
 
@@ -94,8 +108,8 @@ void GrainSolver::readyMasses() {
   }
 }
 
-// Adds gravity, and notes the grains that may leave their margin within the substep.
-void GrainSolver::predict(vec3 gravity_step, float h) {
+// Adds gravity and forces, and notes the grains that may leave their margin within the substep.
+void GrainSolver::predict(vec3 gravity_step, float h, std::span<const Force> forces) {
   const size_t chunks = (bodies_.count + kChunk - 1) / kChunk;
   chunk_flags_.assign(chunks, 0);
   const vec3 drift = drift_ * drift_time_;
@@ -109,12 +123,14 @@ void GrainSolver::predict(vec3 gravity_step, float h) {
     return !(2.001f * (way + next) <= reference.margin * reference.margin) &&
            !(std::sqrt(way) + std::sqrt(next) <= reference.margin);
   };
+  const bool pushed = !forces.empty();
   parallelChunks(bodies_.count, kChunk, [&](size_t chunk, size_t begin, size_t end) {
     bool any = false;
     for (size_t k = begin; k < end; ++k) {
       Body& grain = bodies_.body[k];
       grain.velocity_before = grain.velocity;
       grain.velocity += grain.gravity_scale * gravity_step;
+      if (pushed) grain.velocity += grain.gravity_scale * pushOn(grain, forces, h);
       any = leaves(k) || any;
     }
     chunk_flags_[chunk] = any;
@@ -177,6 +193,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
   parallelChunks(slabs, 4, [&](size_t, size_t begin, size_t end) {
     for (size_t s = begin; s < end; ++s) relaxColliders(walls_.slab[s], body, posed_, settings);
   }, worth);
+  strikes_.note(pairs_, walls_, bodies_);
   bounce();
 }
 
@@ -211,15 +228,22 @@ void GrainSolver::collectLoads(std::span<Collider> colliders, bool last_substep)
 // Positions by the mean of the velocities before and after where the substep changed them no more
 // than gravity would (exact for parabolas, for sliding and rolling), by the velocity after where a
 // contact stopped the grain.
-void GrainSolver::move(vec3 gravity_step, float h, float keep) {
+void GrainSolver::move(vec3 gravity_step, float h, float keep, std::span<const Force> forces) {
   const float smooth = 1.01f * glm::length(gravity_step);
   const float smooth_square = smooth * smooth;
   drift_time_ += h;
+  const bool pushed = !forces.empty();
   parallelChunks(bodies_.count, kChunk, [&](size_t, size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
       Body& grain = bodies_.body[k];
       const vec3 change = grain.velocity - grain.velocity_before;
-      const float half = glm::dot(change, change) <= smooth_square ? 0.5f : 0.0f;
+      float most = smooth_square;
+      if (pushed) {
+        const vec3 push = pushOn(grain, forces, h);
+        const float pushes = smooth + 1.01f * std::sqrt(glm::dot(push, push));
+        most = pushes * pushes;
+      }
+      const float half = glm::dot(change, change) <= most ? 0.5f : 0.0f;
       grain.position += h * (grain.velocity - half * change);
       grain.velocity *= keep;
       grain.spin *= keep;

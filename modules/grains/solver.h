@@ -21,9 +21,11 @@
 #include "modules/grains/awake_rows.h"
 #include "modules/grains/collider.h"
 #include "modules/grains/contacts.h"
+#include "modules/grains/forces.h"
 #include "modules/grains/grains.h"
 #include "modules/grains/grid.h"
 #include "modules/grains/sleepers.h"
+#include "modules/grains/strikes.h"
 
 namespace scree::grains {
 
@@ -49,6 +51,10 @@ struct StepParameters {
   float damping = 0;  // 1/s
   vec3 bounds_min{-500, -50, -500}, bounds_max{500, 500, 500};
   Lanes lanes = Lanes::Widest;
+  // In a set order, which shows in the last bits.
+  std::span<const Force> forces;
+  std::span<const Blow> blows;  // at the tick's begin
+  StrikeLimits strikes;
 };
 
 // Length of a substep, s.
@@ -74,6 +80,18 @@ class GrainSolver {
   const std::vector<Entity>& refused() const { return refused_; }
   const std::vector<Entity>& lost() const { return lost_; }
   const GrainStats& stats() const { return stats_; }
+  // Of the last step, if its parameters asked for them.
+  std::span<const Strike> strikes() const { return strikes_.found(); }
+
+  // The grains as the last step() left them: those awake, in no set order, and the sleepers.
+  template <class Visit>
+  void eachAwake(const Visit& visit) const {
+    for (const AwakeRow& row : awake_)
+      visit(bodies_.entity[row.slot], bodies_.body[row.slot], bodies_.material[row.slot]);
+  }
+  const Sleepers& sleepers() const { return sleepers_; }
+  // Whether these are all that the rows hold, once the lost and the refused are removed.
+  bool current() const { return !adopt_due_; }
 
   // All that the coming ticks depend on beside the rows, the colliders and the parameters, as bytes:
   // see saved.h. Empty before the first tick.
@@ -103,7 +121,8 @@ class GrainSolver {
   void findStruck(const StepParameters& parameters);
   void findUnbalanced(vec3 gravity_step);
   void wake(std::span<const GrainRows> tables, vec3 gravity_step);
-  void settle(std::span<const GrainRows> tables, vec3 gravity_step, float dt);
+  void settle(std::span<const GrainRows> tables, const StepParameters& parameters,
+              vec3 gravity_step, float dt);
   void layToSleep(std::span<const GrainRows> tables, vec3 gravity_step);
   void addPairLoad(const PairSlab& slab, uint32_t contact);
   void addSleepersLoads(std::span<Collider> colliders, int substeps) const;
@@ -124,14 +143,17 @@ class GrainSolver {
   std::string restoreLists(ByteReader& in, uint32_t handles);
   // Puts idle bodies behind the grains.
   void padBodies(Bodies& bodies) const;
+  // Forces, in forces.cpp.
+  void findPushed(const StepParameters& parameters);
+  void strikeBlows(std::span<const Blow> blows);
 
   void readyMasses();
   void shareHeavyLoads();
-  void predict(vec3 gravity_step, float h);
+  void predict(vec3 gravity_step, float h, std::span<const Force> forces);
   void relax(std::span<Collider> colliders, const StepParameters& parameters, float h, int substep);
   void bounce();
   void collectLoads(std::span<Collider> colliders, bool last_substep);
-  void move(vec3 gravity_step, float h, float keep);
+  void move(vec3 gravity_step, float h, float keep, std::span<const Force> forces);
   void scaleKeptImpulses(float factor);
   void measure();
 
@@ -166,6 +188,11 @@ class GrainSolver {
   std::vector<WokenWall> woken_walls_;
   std::vector<JoiningPair> joining_pairs_;
   std::vector<JoiningWall> joining_walls_;
+
+  // Forces that leave all who sleep asleep, and who sleeps: as Sleepers::changes() counts.
+  std::vector<Force> forces_seen_;
+  uint64_t sleepers_seen_ = 0;
+  Strikes strikes_;
 
   vec3 last_gravity_{0};
   std::vector<Entity> refused_, lost_;

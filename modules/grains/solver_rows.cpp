@@ -260,7 +260,8 @@ size_t GrainSolver::memoryBytes() const {
          woken_walls_.capacity() * sizeof(WokenWall) +
          joining_pairs_.capacity() * sizeof(JoiningPair) +
          joining_walls_.capacity() * sizeof(JoiningWall) +
-         posed_.capacity() * sizeof(PosedCollider) + chunk_flags_.capacity();
+         posed_.capacity() * sizeof(PosedCollider) + chunk_flags_.capacity() +
+         forces_seen_.capacity() * sizeof(Force) + strikes_.memoryBytes();
 }
 
 }  // namespace scree::grains

@@ -7,6 +7,7 @@
 #include "engine/ecs/schedule.h"
 #include "engine/ecs/world.h"
 #include "engine/frame/frame.h"
+#include "modules/grains/crowd.h"
 #include "modules/grains/draw_state.h"
 #include "modules/grains/grains.h"
 #include "modules/grains/solver.h"
@@ -16,6 +17,36 @@ namespace scree::grains {
 
 using GrainRowsQuery = Query<Grain, GrainVelocity, GrainSpin, GrainOrientation, GrainPrevious,
                              GrainRest, const GrainMaterial>;
+
+// Components that a system refuses: their number in the last tick, and so far in this one.
+struct Refusals {
+  size_t before = 0, now = 0;
+};
+
+// What a RegionSensor reads of the sleepers, as long as none wakes or falls asleep and it stays.
+struct RegionOfSleepers {
+  Entity entity;
+  Transform transform;
+  vec3 half_extent{0};
+  dvec3 origin{0};
+  uint64_t changes = 0;  // of Sleepers
+  uint32_t count = 0;
+  int64_t mass = 0;  // ng
+};
+
+// A grain inside a sink.
+struct Swallowed {
+  Entity entity;
+  double mass;  // kg
+};
+
+// A grain inside a GrainGrid's box.
+struct Splat {
+  dvec3 place;      // in cells, from the centre of cell (0, 0, 0)
+  double volume;    // in cells
+  vec3 velocity;
+  uint32_t layer;   // of cells along z, the lower of the two that it touches
+};
 
 // Owned by the systems and passes that addGrains registers, so that its GL objects die with them.
 struct GrainsState {
@@ -29,6 +60,12 @@ struct GrainsState {
   Query<const Transform, const CapsuleCollider> capsules;
   Query<const Transform, RegionSensor> regions;
   Query<LoadSensor> loads;
+  Query<const Grain, const GrainVelocity, const GrainMaterial> seen;
+  Query<const Transform, const GrainEmitter> emitters;
+  Query<const Transform, const GrainSink> sinks;
+  Query<const Transform, const GrainForce> force_query;
+  Query<const Transform, const GrainBlow> blow_query;
+  Query<const Transform, const GrainGrid> grids;
 
   GrainSolver solver;
   // Working memory of the step.
@@ -40,13 +77,34 @@ struct GrainsState {
   Version regions_seen = 0;
   bool stepped = false;  // with grains, in the last tick: sensors hold what they did
 
+  // Of what interplay.h lists: for the step, then working memory.
+  std::vector<Force> forces;
+  std::vector<Blow> blows;
+  std::vector<RegionOfSleepers> regions_of_sleepers;
+  std::vector<Entity> entities;  // with the component at hand, sorted
+  std::vector<GrainSpec> emitted;
+  Crowd crowd;
+  std::vector<PosedCollider> walls;
+  std::vector<Swallowed> inside;
+  std::vector<Entity> doomed;
+  std::vector<uint32_t> berths;
+  std::vector<uint8_t> berth_met;  // by berth
+  std::vector<Splat> splats, splats_by_layer;
+  std::vector<uint32_t> layer_begin, strike_order;
+  std::vector<int64_t> cell_sums;
+  Refusals refused_emitters, refused_sinks, refused_forces, refused_blows, refused_grids;
+
   DrawState draw;
 };
 using SharedState = std::shared_ptr<GrainsState>;
 
 // One system or pass each, in the file of that name.
 SystemDesc spawnSystem(const SharedState& state);   // spawn.cpp
+SystemDesc emitSystem(const SharedState& state);    // emit.cpp
+SystemDesc pushSystem(const SharedState& state);    // push.cpp
 SystemDesc stepSystem(const SharedState& state);    // step.cpp
+SystemDesc sinkSystem(const SharedState& state);    // sink.cpp
+SystemDesc splatSystem(const SharedState& state);   // splat.cpp
 SystemDesc uploadSystem(const SharedState& state);  // upload.cpp
 PassDesc visiblePass(const SharedState& state);     // draw.cpp
 PassDesc drawPass(const SharedState& state);        // draw.cpp
@@ -62,9 +120,12 @@ std::string nameOf(const World& world, Entity entity);  // spawn.cpp
 void gatherColliders(GrainsState& state, const dvec3& origin, float dt);  // gather_colliders.cpp
 // Notes where the colliders are, for the next tick.
 void keepColliderPoses(GrainsState& state);
-// Fills the RegionSensors; if the grains all sleep, only when the sensors have changed.
+// Fills the RegionSensors, after the solver's step; if the grains all sleep, only when the sensors
+// have changed.
 void senseRegions(GrainsState& state, const dvec3& origin, bool asleep);  // sensors.cpp
 // Fills the LoadSensors from state.colliders.
 void senseLoads(GrainsState& state);
+// Fills GrainStrikes from the solver's, after keepColliderPoses().
+void tellStrikes(GrainsState& state, const dvec3& origin);  // tell_strikes.cpp
 
 }  // namespace scree::grains

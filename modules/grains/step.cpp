@@ -30,6 +30,10 @@ void step(GrainsState& state) {
   parameters.bounds_min = field.bounds_min;
   parameters.bounds_max = field.bounds_max;
   const dvec3 origin = field.origin;
+  parameters.forces = state.forces;
+  parameters.blows = state.blows;
+  const GrainStrikes& asked = world.singleton<const GrainStrikes>();
+  parameters.strikes = {asked.least_impulse, asked.least_speed};
 
   gatherColliders(state, origin, parameters.dt);
   // Sleepers that nobody touched: their columns are not even opened for writing.
@@ -39,6 +43,7 @@ void step(GrainsState& state) {
     senseLoads(state);
     senseRegions(state, origin, true);
     keepColliderPoses(state);
+    tellStrikes(state, origin);
     return;
   }
   // Opening the columns counts as writing to them: ask before.
@@ -70,6 +75,7 @@ void step(GrainsState& state) {
   senseLoads(state);
   senseRegions(state, origin, false);
   keepColliderPoses(state);
+  tellStrikes(state, origin);
   state.rows_seen = state.grains.version();
 }
 
@@ -80,7 +86,13 @@ SystemDesc stepSystem(const SharedState& state) {
           .phase = Phase::Simulate,
           // Once more after the last grain has gone, so that the sensors read zero.
           .needs = [state] { return !state->grains.empty() || state->stepped; },
-          .run = [state](World&) { step(*state); }};
+          .run =
+              [state](World&) {
+                step(*state);
+                // grains.push fills them again if there are any.
+                state->forces.clear();
+                state->blows.clear();
+              }};
 }
 
 }  // namespace scree::grains
