@@ -63,6 +63,18 @@ SurfacePoint nearestOnCapsule(const PosedCollider& capsule, vec3 p) {
   return {glm::normalize(across), -capsule.radius, 0};
 }
 
+SurfacePoint nearestOnField(const PosedCollider& collider, vec3 p) {
+  SurfacePoint near = collider.field->nearest((p - collider.position) * collider.world_from_local);
+  near.normal = collider.world_from_local * near.normal;
+  return near;
+}
+
+// The farthest that the field's surface is from its origin, m.
+float reachOf(const DistanceField& field) {
+  const auto [low, high] = field.bounds();
+  return glm::length(glm::max(glm::abs(low), glm::abs(high)));
+}
+
 }  // namespace
 
 PosedCollider poseCollider(const Collider& collider, float t0, float t1, float h) {
@@ -70,6 +82,7 @@ PosedCollider poseCollider(const Collider& collider, float t0, float t1, float h
   posed.shape = collider.shape;
   posed.half_extent = collider.half_extent;
   posed.radius = collider.radius;
+  posed.field = collider.field.get();
   posed.position = mix3(collider.position0, collider.position1, t0);
   const quat rotation = mixRotation(collider.rotation0, collider.rotation1, t0);
   posed.world_from_local = glm::mat3_cast(rotation);
@@ -92,11 +105,39 @@ SurfacePoint nearestSurface(const PosedCollider& collider, vec3 p) {
       return nearestOnBox(collider, p);
     case Shape::Capsule:
       return nearestOnCapsule(collider, p);
+    case Shape::Field:
+      return nearestOnField(collider, p);
     case Shape::Plane:
       break;
   }
   const vec3 normal = collider.world_from_local[1];
   return {normal, glm::dot(normal, p - collider.position), std::numeric_limits<float>::max()};
+}
+
+float distanceTo(const PosedCollider& collider, vec3 p, float most) {
+  if (collider.shape != Shape::Field) return nearestSurface(collider, p).distance;
+  return collider.field->distance((p - collider.position) * collider.world_from_local, most);
+}
+
+float freeWay(const PosedCollider& collider, vec3 from, vec3 to, float distance, float core) {
+  const vec3 way = to - from;
+  const float length = glm::length(way);
+  if (!(length + core >= distance)) return 1;
+  // Each step goes as far as nothing can be. Along a surface steps stay as long as it is away; this
+  // many are 48 radii for a grain that slides on one with a core of a quarter.
+  constexpr int kMostSteps = 64;
+  constexpr float kNear = 1.02f;
+  float gone = 0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    gone += distance - core;
+    if (!(gone < length)) return 1;
+    distance = distanceTo(collider, from + way * (gone / length), length - gone + 2 * core);
+    if (!(distance > kNear * core)) {
+      if (distance < core) gone -= core - distance;  // by rounding
+      break;
+    }
+  }
+  return std::max(gone / length, 0.0f);
 }
 
 float supportOffset(const PosedCollider& collider, vec3 n) {
@@ -108,6 +149,7 @@ float supportOffset(const PosedCollider& collider, vec3 n) {
     case Shape::Capsule:
       return std::max(glm::dot(n, collider.a), glm::dot(n, collider.b)) + collider.radius;
     case Shape::Plane:
+    case Shape::Field:
       break;
   }
   return glm::dot(collider.world_from_local[1], collider.position);
@@ -118,10 +160,10 @@ vec3 velocityAt(const PosedCollider& collider, vec3 p) {
 }
 
 Bounds sweptBounds(const Collider& collider) {
-  if (collider.shape == Shape::Plane) {
-    constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  if (collider.shape == Shape::Plane ||
+      (collider.shape == Shape::Field && !(reachOf(*collider.field) < kInfinite)))
     return {vec3(-kInfinite), vec3(kInfinite)};
-  }
   Bounds bounds{vec3(std::numeric_limits<float>::max()), vec3(-std::numeric_limits<float>::max())};
   for (float t : {0.0f, 1.0f}) {
     const PosedCollider posed = poseCollider(collider, t, t, 0);
@@ -132,6 +174,14 @@ Bounds sweptBounds(const Collider& collider) {
                          glm::abs(m[2]) * posed.half_extent.z;
       low = posed.position - reach;
       high = posed.position + reach;
+    } else if (collider.shape == Shape::Field) {
+      const auto [from, to] = collider.field->bounds();
+      const mat3& m = posed.world_from_local;
+      const vec3 half = 0.5f * (to - from);
+      const vec3 middle = posed.position + m * (from + half);
+      const vec3 reach = glm::abs(m[0]) * half.x + glm::abs(m[1]) * half.y + glm::abs(m[2]) * half.z;
+      low = middle - reach;
+      high = middle + reach;
     } else {
       low = glm::min(posed.a, posed.b) - posed.radius;
       high = glm::max(posed.a, posed.b) + posed.radius;
@@ -153,13 +203,29 @@ float motionBound(const Collider& collider) {
   if (collider.shape == Shape::Box) reach = glm::length(collider.half_extent);
   if (collider.shape == Shape::Capsule)
     reach = std::max(glm::length(collider.a), glm::length(collider.b)) + collider.radius;
+  if (collider.shape == Shape::Field) reach = reachOf(*collider.field);
   // Chord of the turn by an angle: 2 sin(angle / 2), at most twice the quaternions' distance.
   const quat same = glm::dot(collider.rotation0, collider.rotation1) < 0 ? -collider.rotation1
                                                                          : collider.rotation1;
   const float turn = 2 * glm::length(same - collider.rotation0);
-  float tilt = 0;
-  if (collider.shape == Shape::Plane && turn > 0) tilt = std::numeric_limits<float>::infinity();
+  const bool endless = collider.shape == Shape::Plane || !(reach < std::numeric_limits<float>::infinity());
+  if (endless) reach = 0;
+  const float tilt = endless && turn > 0 ? std::numeric_limits<float>::infinity() : 0.0f;
   return glm::length(collider.position1 - collider.position0) + turn * reach + tilt;
+}
+
+float thicknessOf(const Collider& collider) {
+  switch (collider.shape) {
+    case Shape::Box:
+      return 2 * std::min({collider.half_extent.x, collider.half_extent.y, collider.half_extent.z});
+    case Shape::Capsule:
+      return 2 * collider.radius;
+    case Shape::Field:
+      return 0;
+    case Shape::Plane:
+      break;
+  }
+  return std::numeric_limits<float>::infinity();
 }
 
 }  // namespace scree::grains

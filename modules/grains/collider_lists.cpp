@@ -21,8 +21,18 @@ bool alike(const Collider& a, const Collider& b) {
   return a.shape == b.shape && a.position0 == b.position0 && a.position1 == b.position1 &&
          a.rotation0 == b.rotation0 && a.rotation1 == b.rotation1 &&
          a.half_extent == b.half_extent && a.a == b.a && a.b == b.b && a.radius == b.radius &&
+         a.field == b.field &&
          a.friction == b.friction && a.rolling_friction == b.rolling_friction &&
          a.restitution == b.restitution && a.surface_velocity == b.surface_velocity;
+}
+
+// How far a grain's surface may be from its reference until the next listing.
+float reachOf(const Bodies& bodies, uint32_t i, const Going& going) {
+  const vec3 relative = bodies.body[i].velocity - going.drift;
+  const float way = going.h * going.h * glm::dot(relative, relative);
+  float margin = bodies.reference[i].margin;
+  if (way > margin * margin) margin = std::sqrt(way);  // it is searched for in every substep
+  return bodies.body[i].radius + margin + going.extra;
 }
 
 }  // namespace
@@ -42,6 +52,7 @@ bool ColliderLists::sweep(std::span<const Collider> colliders) {
     swept.collider = colliders[k];
     swept.bounds = sweptBounds(colliders[k]);
     swept.motion = motionBound(colliders[k]);
+    swept.thickness = thicknessOf(colliders[k]);
     swept.begin = poseCollider(colliders[k], 0, 0, 0);
   }
   if (!same_keys)  // indices have moved: nothing can stay in its place
@@ -59,14 +70,14 @@ const ColliderLists::Swept* ColliderLists::sweptLast(const Collider& collider) c
 }
 
 void ColliderLists::build(const Grid& grid, const Bodies& bodies,
-                          std::span<const Collider> colliders, float extra, vec3 drifted, bool searched,
+                          std::span<const Collider> colliders, const Going& going, bool searched,
                           std::span<const uint32_t> before,
                           std::span<const JoiningWall> joining) {
-  const bool changed = sweep(colliders), wider = extra > 0 || extra_ > 0;
+  const bool changed = sweep(colliders), wider = going.extra > 0 || extra_ > 0;
   if (!searched && !changed && !wider) return;
   if (searched || wider)
     for (Swept& swept : swept_) swept.fresh = true;
-  extra_ = extra;
+  extra_ = going.extra;
   const uint32_t slabs_before = slab_count;
   slab_count = grid.slabCount();
   if (slab.size() < slab_count) slab.resize(slab_count);
@@ -79,7 +90,7 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
     own.end = s < slab_count ? grid.slabEnd(s) : 0;
   }
   parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
-    list(uint32_t(s), bodies, extra, drifted);
+    list(uint32_t(s), bodies, going);
     for (ColliderContact& contact : slab[s].contact) {
       if (!swept_[contact.collider].fresh) continue;
       const uint32_t was = searched ? before[contact.grain] : contact.grain;
@@ -107,14 +118,14 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
   for (uint32_t s = 0; s < slab_count; ++s) contact_count += slab[s].contact.size();
 }
 
-void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra, vec3 drifted) {
+void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going) {
   ColliderSlab& own = slab[s];
   own.bounces.clear();
   Bounds bounds{vec3(3e38f), vec3(-3e38f)};
   for (uint32_t i = own.begin; i < own.end; ++i) {
     if (!isAwake(bodies, i)) continue;
-    const float reach = bodies.body[i].radius + bodies.reference[i].margin + extra;
-    const vec3 at = bodies.reference[i].position + drifted;
+    const float reach = reachOf(bodies, i, going);
+    const vec3 at = bodies.reference[i].position + going.drifted;
     bounds.min = glm::min(bounds.min, at - reach);
     bounds.max = glm::max(bounds.max, at + reach);
   }
@@ -126,15 +137,15 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra, vec3 dri
     const Swept& swept = swept_[k];
     // Whatever lies farther than the corners from the centre is apart from all within.
     if (!swept.fresh || (!apart(bounds, swept.bounds) &&
-                         !(nearestSurface(swept.begin, centre).distance > around + swept.motion)))
+                         !(distanceTo(swept.begin, centre, 2 * (around + swept.motion)) > around + swept.motion)))
       own.near.push_back(k);
   }
   if (own.near.empty()) return;
   auto stays = own.was.begin();
   for (uint32_t i = own.begin; i < own.end; ++i) {
     if (!isAwake(bodies, i)) continue;
-    const float reach = bodies.body[i].radius + bodies.reference[i].margin + extra;
-    const vec3 at = bodies.reference[i].position + drifted;
+    const float reach = reachOf(bodies, i, going);
+    const vec3 at = bodies.reference[i].position + going.drifted;
     const Bounds own_bounds{at - reach, at + reach};
     for (const uint32_t k : own.near) {
       const Swept& swept = swept_[k];
@@ -142,14 +153,15 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra, vec3 dri
         while (stays != own.was.end() &&
                (stays->grain < i || (stays->grain == i && stays->collider < k)))
           ++stays;
-        if (stays != own.was.end() && stays->grain == i && stays->collider == k)
+        for (; stays != own.was.end() && stays->grain == i && stays->collider == k; ++stays)
           own.contact.push_back(*stays);
         continue;
       }
       if (apart(own_bounds, swept.bounds) ||
-          !(nearestSurface(swept.begin, at).distance < reach + swept.motion))
+          !(distanceTo(swept.begin, at, 2 * (reach + swept.motion)) < reach + swept.motion))
         continue;
       const Collider& collider = swept.collider;
+      const float radius = bodies.body[i].radius;
       ColliderContact contact;
       contact.grain = i;
       contact.collider = k;
@@ -158,7 +170,17 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, float extra, vec3 dri
       contact.rolling_friction =
           std::max(bodies.material[i].rolling_friction, collider.rolling_friction);
       contact.restitution = std::max(bodies.material[i].restitution, collider.restitution);
-      own.contact.push_back(contact);
+      contact.guarded = collider.shape == Shape::Field || swept.thickness < 0.5f * radius ||
+                        swept.motion * going.share > 0.5f * radius;
+      if (collider.shape != Shape::Field) {
+        own.contact.push_back(contact);
+        continue;
+      }
+      const uint32_t parts = std::min(collider.field->mostTouches(), DistanceField::kMostTouches);
+      for (uint32_t part = 0; part < parts; ++part) {
+        contact.key = partKey(collider.key, part);
+        own.contact.push_back(contact);
+      }
     }
   }
 }
@@ -170,7 +192,7 @@ bool ColliderLists::misses(uint32_t slot, uint32_t in_slab, vec3 position, float
   for (uint32_t k = 0; k < swept_.size(); ++k) {
     const Swept& swept = swept_[k];
     if (apart(bounds, swept.bounds) ||
-        !(nearestSurface(swept.begin, position).distance < around + swept.motion))
+        !(distanceTo(swept.begin, position, 2 * (around + swept.motion)) < around + swept.motion))
       continue;
     const auto at = std::lower_bound(listed.begin(), listed.end(), std::pair(slot, k),
                                      [](const ColliderContact& contact, const auto& wanted) {
@@ -199,7 +221,8 @@ size_t ColliderLists::memoryBytes() const {
   size_t bytes = swept_.capacity() * sizeof(Swept);
   for (const ColliderSlab& s : slab)
     bytes += (s.contact.capacity() + s.was.capacity()) * sizeof(ColliderContact) +
-             s.near.capacity() * sizeof(uint32_t) + s.bounces.capacity() * sizeof(Bounce);
+             s.near.capacity() * sizeof(uint32_t) + s.bounces.capacity() * sizeof(Bounce) +
+             s.guards.capacity() * sizeof(Guard);
   return bytes;
 }
 

@@ -8,22 +8,36 @@
 
 namespace scree::grains {
 
-void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCollider> posed) {
-  for (ColliderContact& contact : slab.contact) {
+void setSurface(ColliderContact& contact, const SurfacePoint& near, const Body& grain,
+                const PosedCollider& collider) {
+  const vec3 on_surface = grain.position - near.normal * near.distance;
+  contact.normal = near.normal;
+  contact.offset = glm::dot(near.normal, on_surface);
+  contact.flat = near.flat;
+  contact.mass = 1 / grain.inverse_mass;
+  contact.spin_factor = spinFactor(grain);
+  contact.surface_velocity = velocityAt(collider, on_surface) + collider.surface_velocity;
+  contact.surface_spin = collider.spin;
+}
+
+void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCollider> posed, float h) {
+  slab.guards.clear();
+  for (size_t k = 0; k < slab.contact.size(); ++k) {
+    ColliderContact& contact = slab.contact[k];
     const PosedCollider& collider = posed[contact.collider];
+    if (collider.shape == Shape::Field) {
+      k += placeField(slab, k, body, collider, h) - 1;
+      continue;
+    }
     const vec3 p = body[contact.grain].position;
     SurfacePoint near = nearestSurface(collider, p);
+    if (contact.guarded)
+      slab.guards.push_back({static_cast<uint32_t>(k), (p - collider.position) * collider.world_from_local,
+                             near.distance});
     // A centre inside the shape goes back out on the side where it came in, not on the nearest one.
     if (near.distance < 0 && contact.normal != vec3(0))
       near = {contact.normal, glm::dot(contact.normal, p) - supportOffset(collider, contact.normal), 0};
-    const vec3 on_surface = p - near.normal * near.distance;
-    contact.normal = near.normal;
-    contact.offset = glm::dot(near.normal, on_surface);
-    contact.flat = near.flat;
-    contact.mass = 1 / body[contact.grain].inverse_mass;
-    contact.spin_factor = spinFactor(body[contact.grain]);
-    contact.surface_velocity = velocityAt(collider, on_surface) + collider.surface_velocity;
-    contact.surface_spin = collider.spin;
+    setSurface(contact, near, body[contact.grain], collider);
   }
 }
 

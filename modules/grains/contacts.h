@@ -156,7 +156,8 @@ struct PairLists {
 struct ColliderContact {
   uint32_t grain = 0;
   uint32_t collider = 0;
-  uint32_t key = 0;  // of the collider
+  uint32_t key = 0;  // of the collider; of one of the points where a field touches: partKey
+  bool guarded = false;  // see Guard
   vec3 impulse{0};   // on the grain, N s
   vec3 rolling{0};   // angular impulse on the grain, N m s
   float friction = 0, rolling_friction = 0, restitution = 0;
@@ -171,9 +172,19 @@ struct ColliderContact {
   vec3 surface_spin{0};
 };
 
+// Where a grain is, as a collider sees it, at the substep's begin: it must not come to the surface by
+// more than a contact's plane can tell. Of contacts with fields, with what is thin, and with what moves
+// by more than half a radius in a substep.
+struct Guard {
+  uint32_t contact;
+  vec3 local;      // m
+  float distance;  // of the centre to the surface, m
+};
+
 struct ColliderSlab {
   std::vector<ColliderContact> contact;  // by grain, then collider
   std::vector<Bounce> bounces;
+  std::vector<Guard> guards;
   uint32_t begin = 0, end = 0;  // slots of the slab's grains
   float deepest = 0;
 
@@ -183,24 +194,35 @@ struct ColliderSlab {
   std::vector<uint32_t> near;  // colliders that may touch the slab
 };
 
+// How far grains go until the colliders are listed again.
+struct Going {
+  float extra = 0;   // m, that all go together at most
+  vec3 drifted{0};   // m, that all went together since the search
+  vec3 drift{0};     // m/s, of that
+  float h = 0;       // substep, s
+  float share = 1;   // substep / tick
+};
+
 struct ColliderLists {
   std::vector<ColliderSlab> slab;
   uint32_t slab_count = 0;
   size_t contact_count = 0;
 
   // Lists the grains awake that come within reach of a collider's surface during the tick from
-  // wherever their margin lets them be: around their reference, which the drift has carried by
-  // `drifted`, and carries by up to `extra` m more. `searched`: slots have changed since the last listing, where slot k was before[k]
+  // wherever their margin lets them be (or, if they are faster, where a substep takes them): around
+  // their reference, which the drift has carried by `drifted`, and carries by up to `extra` m more.
+  // `searched`: slots have changed since the last listing, where slot k was before[k]
   // (kNoSlot: none); impulses are taken over from there, and from `joining`, sorted by grain. If they
   // have not, only colliders that changed are looked at: with none, nothing is done.
   void build(const Grid& grid, const Bodies& bodies, std::span<const Collider> colliders,
-             float extra, vec3 drifted, bool searched, std::span<const uint32_t> before,
+             const Going& going, bool searched, std::span<const uint32_t> before,
              std::span<const JoiningWall> joining);
   // A collider over the tick.
   struct Swept {
     Collider collider;
     Bounds bounds;
     float motion = 0;     // motionBound
+    float thickness = 0;  // thicknessOf
     PosedCollider begin;  // pose at the tick's begin
     bool fresh = true;    // not as it was at the last listing
   };
@@ -218,18 +240,30 @@ struct ColliderLists {
   size_t memoryBytes() const;
 
  private:
-  void list(uint32_t s, const Bodies& bodies, float extra, vec3 drifted);
+  void list(uint32_t s, const Bodies& bodies, const Going& going);
   const ColliderContact* formerly(uint32_t slot, uint32_t key, uint32_t slabs) const;
 
   std::vector<Swept> swept_;
   float extra_ = 0;
 };
 
-// The colliders' surfaces near each contact's grain at the substep's begin.
-void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCollider> posed);
+// The colliders' surfaces near each contact's grain at the substep's begin, and its guards.
+void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCollider> posed, float h);
+// The surfaces where a field touches a grain, for its contacts from `first` on; returns how many.
+size_t placeField(ColliderSlab& slab, size_t first, const Body* body, const PosedCollider& collider,
+                  float h);
+void setSurface(ColliderContact& contact, const SurfacePoint& near, const Body& grain,
+                const PosedCollider& collider);
 void applyKeptColliders(ColliderSlab& slab, Body* body);
 void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollider> posed,
                     const PassSettings& settings);
+
+// At the substep's end: takes grains back to where their way through a guarded surface began. `begin`
+// and `end`: the colliders then. With what moves, they go along from there.
+void keepGuards(ColliderSlab& slab, Body* body, std::span<const PosedCollider> begin,
+                std::span<const PosedCollider> end);
+// The same for one grain that came from `from`, and one collider. True if it was stopped.
+bool stopAt(const PosedCollider& begin, const PosedCollider& end, vec3 from, Body& grain);
 
 // Share of the overlap that one pass undoes.
 inline constexpr float kProjection = 0.2f;

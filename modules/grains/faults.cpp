@@ -89,6 +89,18 @@ std::string fault(const CapsuleCollider& c) {
                              {"the largest of a and b", glm::length(c.a) + glm::length(c.b), 0, kMostSize}}),
                  surfaceFault(c));
 }
+std::string fault(const SphereCollider& s) {
+  return firstOf(firstFault({{"radius", s.radius, 0, kMostSize},
+                             {"the length of center", glm::length(s.center), 0, kMostSize}}),
+                 surfaceFault(s));
+}
+std::string fault(const HullCollider& hull) { return surfaceFault(hull); }
+std::string fault(const MeshCollider& mesh) {
+  return firstOf(firstFault({{"thickness", mesh.thickness, 0, 1e6}}), surfaceFault(mesh));
+}
+std::string fault(const SdfCollider& sdf) {
+  return firstOf(firstFault({{"resolution", static_cast<double>(sdf.resolution), 4, 128}}), surfaceFault(sdf));
+}
 std::string fault(const RegionSensor& region) { return sizeFault(region.half_extent); }
 
 std::string fault(const ColliderPose&) { return kOwn; }

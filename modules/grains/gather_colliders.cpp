@@ -12,8 +12,10 @@ namespace {
 
 bool finite(vec3 v) { return std::isfinite(v.x + v.y + v.z); }
 
-// Each entity may carry one collider of each shape.
-uint32_t keyOf(Entity entity, Shape shape) { return entity.index * 4 + static_cast<uint32_t>(shape); }
+// Each entity may carry one collider of each kind.
+enum class Kind : uint32_t { Plane, Box, Capsule, Sphere, Hull, Mesh, Sdf };
+static_assert(static_cast<uint32_t>(Kind::Sdf) < kKeysOfEntity);
+uint32_t keyOf(Entity entity, Kind kind) { return firstKeyOf(entity) + static_cast<uint32_t>(kind); }
 
 bool placeable(const Transform& transform) {
   const glm::dvec3& p = transform.position;
@@ -22,10 +24,10 @@ bool placeable(const Transform& transform) {
 }
 
 template <class Component>
-Collider place(const GrainsState& state, Entity entity, Shape shape, const Transform& transform,
-               const Component& component, const dvec3& origin, float dt) {
+Collider place(const GrainsState& state, Entity entity, Kind kind, Shape shape,
+               const Transform& transform, const Component& component, const dvec3& origin, float dt) {
   Collider collider;
-  collider.key = keyOf(entity, shape);
+  collider.key = keyOf(entity, kind);
   collider.shape = shape;
   collider.position0 = collider.position1 = vec3(transform.position - origin);
   collider.rotation0 = collider.rotation1 = glm::normalize(transform.rotation);
@@ -72,16 +74,17 @@ void gatherColliders(GrainsState& state, const dvec3& origin, float dt) {
     }
   };
   state.planes.each([&](Entity entity, const Transform& transform, const PlaneCollider& plane) {
-    add(entity, transform, plane, place(state, entity, Shape::Plane, transform, plane, origin, dt),
-        vec3(0), "PlaneCollider");
+    add(entity, transform, plane,
+        place(state, entity, Kind::Plane, Shape::Plane, transform, plane, origin, dt), vec3(0),
+        "PlaneCollider");
   });
   state.boxes.each([&](Entity entity, const Transform& transform, const BoxCollider& box) {
-    Collider collider = place(state, entity, Shape::Box, transform, box, origin, dt);
+    Collider collider = place(state, entity, Kind::Box, Shape::Box, transform, box, origin, dt);
     collider.half_extent = box.half_extent * glm::abs(transform.scale);
     add(entity, transform, box, collider, collider.half_extent, "BoxCollider");
   });
   state.capsules.each([&](Entity entity, const Transform& transform, const CapsuleCollider& capsule) {
-    Collider collider = place(state, entity, Shape::Capsule, transform, capsule, origin, dt);
+    Collider collider = place(state, entity, Kind::Capsule, Shape::Capsule, transform, capsule, origin, dt);
     collider.a = capsule.a * transform.scale;
     collider.b = capsule.b * transform.scale;
     const vec3 scale = glm::abs(transform.scale);
@@ -89,6 +92,43 @@ void gatherColliders(GrainsState& state, const dvec3& origin, float dt) {
     add(entity, transform, capsule, collider,
         vec3(glm::length(collider.a), glm::length(collider.b), collider.radius), "CapsuleCollider");
   });
+  state.spheres.each([&](Entity entity, const Transform& transform, const SphereCollider& sphere) {
+    Collider collider =
+        place(state, entity, Kind::Sphere, Shape::Capsule, transform, sphere, origin, dt);
+    collider.a = collider.b = sphere.center * transform.scale;
+    const vec3 scale = glm::abs(transform.scale);
+    collider.radius = sphere.radius * std::max({scale.x, scale.y, scale.z});
+    add(entity, transform, sphere, collider, vec3(glm::length(collider.a), collider.radius, 0),
+        "SphereCollider");
+  });
+  // Those of the entity's mesh. A mesh that will not do has its own line: Shapes::of.
+  const auto addField = [&](Entity entity, const Transform& transform, const auto& component, Kind kind,
+                            const char* name, const auto& ask) {
+    Collider collider = place(state, entity, kind, Shape::Field, transform, component, origin, dt);
+    if (faultIn(transform, component, vec3(0)).empty()) {
+      collider.field = ask(keyOf(entity, kind), entity, transform.scale);
+      if (collider.field == nullptr) return;
+    }
+    add(entity, transform, component, collider, vec3(0), name);
+  };
+  if (state.hulls.empty() && state.meshes.empty() && state.fields.empty()) {
+    state.shapes.forget(state.world);
+  } else {
+    state.shapes.begin(state.world);
+    state.hulls.each([&](Entity entity, const Transform& transform, const HullCollider& hull) {
+      addField(entity, transform, hull, Kind::Hull, "HullCollider",
+               [&](uint32_t key, Entity of, vec3 scale) { return state.shapes.hull(key, of, scale); });
+    });
+    state.meshes.each([&](Entity entity, const Transform& transform, const MeshCollider& mesh) {
+      addField(entity, transform, mesh, Kind::Mesh, "MeshCollider",
+               [&](uint32_t key, Entity of, vec3 scale) { return state.shapes.mesh(key, of, scale, mesh); });
+    });
+    state.fields.each([&](Entity entity, const Transform& transform, const SdfCollider& sdf) {
+      addField(entity, transform, sdf, Kind::Sdf, "SdfCollider",
+               [&](uint32_t key, Entity of, vec3 scale) { return state.shapes.sdf(key, of, scale, sdf); });
+    });
+    state.shapes.end();
+  }
   if (refused > 1 && refused > state.refused_colliders)
     logWarning("grains.step: {} colliders refused, the first is named above", refused);
   state.refused_colliders = refused;
@@ -107,6 +147,10 @@ void keepColliderPoses(GrainsState& state) {
   state.planes.each(collect);
   state.boxes.each(collect);
   state.capsules.each(collect);
+  state.spheres.each(collect);
+  state.hulls.each(collect);
+  state.meshes.each(collect);
+  state.fields.each(collect);
   for (const Entity entity : entities) {
     const Transform& transform = *world.peek<Transform>(entity);
     const ColliderPose now{transform.position, transform.rotation};

@@ -9,6 +9,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -136,8 +138,9 @@ inline constexpr uint32_t kMaxGrains = 4'000'000;
 
 // ---- Colliders: on an entity with a Transform. They are kinematic: their velocity, linear and
 // angular, is the change of the Transform since the last tick (a jump faster than
-// kColliderTeleport counts as a teleport, without velocity). The Transform's scale multiplies
-// half_extent, a and b; the radius is multiplied by the scale's largest component.
+// kColliderTeleport counts as a teleport, without velocity; a turn takes the shorter way). The
+// Transform's scale multiplies half_extent, a, b, center, points, triangles and thickness; a radius
+// is multiplied by the scale's largest component, as thickness is.
 
 // m/s; above it a collider's move between two ticks is a teleport.
 inline constexpr float kColliderTeleport = 100;
@@ -178,6 +181,57 @@ std::string fault(const CapsuleCollider& value);
 SCREE_COMPONENT(CapsuleCollider, (a, "m"), (b, "m"), (radius, "m"), (friction, ""),
                 (rolling_friction, ""), (restitution, ""), (surface_velocity, "m/s"));
 
+struct SphereCollider {
+  vec3 center{0};  // local
+  float radius = 0.5f;
+  float friction = 0.5f;
+  float rolling_friction = 0;
+  float restitution = 0;
+  vec3 surface_velocity{0};
+};
+std::string fault(const SphereCollider& value);
+SCREE_COMPONENT(SphereCollider, (center, "m"), (radius, "m"), (friction, ""), (rolling_friction, ""),
+                (restitution, ""), (surface_velocity, "m/s"));
+
+// The convex hull of the vertices of the entity's MeshInstance.
+struct HullCollider {
+  float friction = 0.5f;
+  float rolling_friction = 0;
+  float restitution = 0;
+  vec3 surface_velocity{0};
+};
+std::string fault(const HullCollider& value);
+SCREE_COMPONENT(HullCollider, (friction, ""), (rolling_friction, ""), (restitution, ""),
+                (surface_velocity, "m/s"));
+
+// The triangles of the entity's MeshInstance: a sheet with two sides, which a grain meets on the side
+// where it is. With `solid` the mesh must be closed, and what is inside is pushed out.
+struct MeshCollider {
+  bool solid = false;
+  float thickness = 0;  // of the sheet, or laid around the solid: half of it on each side, m
+  float friction = 0.5f;
+  float rolling_friction = 0;
+  float restitution = 0;
+  vec3 surface_velocity{0};
+};
+std::string fault(const MeshCollider& value);
+SCREE_COMPONENT(MeshCollider, (solid, ""), (thickness, "m"), (friction, ""), (rolling_friction, ""),
+                (restitution, ""), (surface_velocity, "m/s"));
+
+// A solid given by its distance field: the one that addDistanceField gave the number `field`, or, with
+// field = 0, one sampled from the entity's MeshInstance, which must be closed.
+struct SdfCollider {
+  int32_t resolution = 48;  // cells along the mesh's longest side, 4 to 128
+  uint32_t field = 0;
+  float friction = 0.5f;
+  float rolling_friction = 0;
+  float restitution = 0;
+  vec3 surface_velocity{0};
+};
+std::string fault(const SdfCollider& value);
+SCREE_COMPONENT(SdfCollider, (resolution, ""), (field, ""), (friction, ""), (rolling_friction, ""),
+                (restitution, ""), (surface_velocity, "m/s"));
+
 // Pose of a collider at the last tick; added to every collider when it is first seen.
 struct ColliderPose {
   dvec3 position{0};
@@ -185,6 +239,57 @@ struct ColliderPose {
 };
 std::string fault(const ColliderPose& value);
 SCREE_COMPONENT(ColliderPose, (position, "m"), (rotation, ""));
+
+// ---- Distance fields: surfaces that say how far they are. Hulls, meshes and grids are some; a program
+// or another module may bring its own.
+
+struct SurfacePoint {
+  vec3 normal;     // outward, unit length
+  float distance;  // to the nearest point of the surface, negative inside, m
+  float flat;      // m: points that are nearer to the one asked for have the same nearest plane
+};
+
+// Local space, before the Transform's position and rotation. Every finite point has a finite answer.
+// No answer may change while a collider uses the field; threads ask at the same time.
+class DistanceField {
+ public:
+  static constexpr uint32_t kMostTouches = 4;
+
+  virtual ~DistanceField() = default;
+  // The nearest point of the surface. The distance must not change faster than the point moves; far
+  // from the surface it may be less than the true one. flat = 0 is always right.
+  virtual SurfacePoint nearest(vec3 p) const = 0;
+  // The same distance, or anything not less than `most` if it is not less than that.
+  virtual float distance(vec3 p, [[maybe_unused]] float most) const { return nearest(p).distance; }
+  // Where a growing sphere around p touches, up to the radius `reach`: at most mostTouches() points,
+  // the nearest first. Returns how many; farther ones may be among them. With one alone, a grain in a
+  // groove leans on one side at a time.
+  virtual uint32_t touches(vec3 p, [[maybe_unused]] float reach, std::span<SurfacePoint> out) const {
+    out[0] = nearest(p);
+    return 1;
+  }
+  virtual uint32_t mostTouches() const { return 1; }
+  // Corners of a box around the surface; may be infinite if it never turns.
+  virtual std::array<vec3, 2> bounds() const = 0;
+  virtual size_t memoryBytes() const { return 0; }
+};
+
+// A signed distance sampled at the corners of cubes `cell` m wide that fill the box from low to high,
+// linear between them (exact for planes; what is thinner than two cells is lost). At most 2^26 samples.
+Result<std::shared_ptr<const DistanceField>> sampleDistance(const std::function<float(vec3)>& distance,
+                                                            vec3 low, vec3 high, float cell);
+
+// Numbers the field, for SdfCollider::field; 1 is the first. The world keeps it.
+uint32_t addDistanceField(World& world, std::shared_ptr<const DistanceField> field);
+
+// World singleton, for tests and overlays: shapes made of meshes since the start. Each is made once
+// for all colliders of one mesh, size and kind, and kept while one of them is there.
+struct ColliderShapes {
+  uint64_t hulls = 0, meshes = 0, fields = 0;
+  uint64_t refused = 0;    // colliders whose mesh was missing or would not do
+  uint32_t kept = 0;       // shapes at the moment
+  size_t bytes = 0;        // of them
+};
 
 // ---- Sensors.
 

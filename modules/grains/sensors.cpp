@@ -10,11 +10,10 @@ void senseLoads(GrainsState& state) {
   state.loads.each([&](Entity entity, LoadSensor& sensor) {
     sensor.impulse = vec3(0);
     sensor.contacts = 0;
-    // An entity's colliders of several shapes have consecutive keys.
     const auto first = std::lower_bound(
-        state.colliders.begin(), state.colliders.end(), entity.index * 4,
+        state.colliders.begin(), state.colliders.end(), firstKeyOf(entity),
         [](const Collider& collider, uint32_t key) { return collider.key < key; });
-    for (auto it = first; it != state.colliders.end() && it->key / 4 == entity.index; ++it) {
+    for (auto it = first; it != state.colliders.end() && it->key / kKeysOfEntity == entity.index; ++it) {
       sensor.impulse += vec3(it->load);
       sensor.contacts += it->load_contacts;
     }

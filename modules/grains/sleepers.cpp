@@ -114,15 +114,23 @@ const Sleepers::WallLoad* Sleepers::loadOn(uint32_t key) const {
   return at != wall_load_.end() && at->key == key && at->contacts > 0 ? &*at : nullptr;
 }
 
+bool Sleepers::leansOn(uint32_t node, uint32_t key) const {
+  for (; node != kNoSlot; node = wall_.node[node].next)
+    if (colliderKey(wall_.node[node].key) == key) return true;
+  return false;
+}
+
 void Sleepers::leanOn(uint32_t berth, const ColliderContact& contact) {
+  const uint32_t key = colliderKey(contact.key);
+  const bool leans = leansOn(sleeper_[berth].walls, key);  // at another point
   const uint32_t at = wall_.take();
   wall_.node[at] = {contact.key, kNoSlot, contact.impulse, contact.rolling, contact.normal};
   uint32_t* link = &sleeper_[berth].walls;
   while (*link != kNoSlot && wall_.node[*link].key < contact.key) link = &wall_.node[*link].next;
   wall_.node[at].next = *link;
   *link = at;
-  WallLoad& load = wallLoad(contact.key);
-  ++load.contacts;
+  WallLoad& load = wallLoad(key);
+  load.contacts += leans ? 0 : 1;
   for (int axis = 0; axis < 3; ++axis)
     load.impulse[static_cast<size_t>(axis)].add(contact.impulse[axis]);
   ++contacts_;
@@ -186,7 +194,7 @@ void Sleepers::passDown(std::vector<uint32_t>& berths, vec3 gravity_step) {
       berths.push_back(other);
       std::push_heap(berths.begin(), berths.end(), lower);
     } else if (wall != kNoSlot) {
-      WallLoad& load = wallLoad(wall_.node[wall].key);
+      WallLoad& load = wallLoad(colliderKey(wall_.node[wall].key));
       for (int axis = 0; axis < 3; ++axis) {
         const size_t a = static_cast<size_t>(axis);
         load.impulse[a].add(-wall_.node[wall].impulse[axis]);
@@ -219,8 +227,9 @@ void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<W
     next = node.next;
     wall_.give(at);
     walls.push_back({own.entity, node.key, node.impulse, node.rolling, node.normal});
-    WallLoad& load = wallLoad(node.key);
-    --load.contacts;
+    const uint32_t key = colliderKey(node.key);
+    WallLoad& load = wallLoad(key);
+    load.contacts -= leansOn(next, key) ? 0 : 1;
     for (int axis = 0; axis < 3; ++axis)
       load.impulse[static_cast<size_t>(axis)].add(-node.impulse[axis]);
     --contacts_;

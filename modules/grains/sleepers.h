@@ -111,7 +111,7 @@ class Sleepers {
 
   struct WallLoad {
     uint32_t key = 0;
-    uint32_t contacts = 0;
+    uint32_t contacts = 0;  // sleepers
     std::array<ExactSum, 3> impulse;  // on the grains, N s a substep
   };
   // Null: nothing sleeps on it.
@@ -151,6 +151,8 @@ class Sleepers {
   uint32_t bucketOf(const Spot& spot) const;
   void putInBucket(uint32_t berth);
   void growTable();
+  // Whether a node of a sleeper's list of walls, from this one on, is of a collider.
+  bool leansOn(uint32_t node, uint32_t key) const;
   void insertPair(uint32_t owner, const PairNode& node);
   WallLoad& wallLoad(uint32_t key);
 
@@ -216,7 +218,7 @@ void Sleepers::pressing(uint32_t key, const Visit& visit) const {
   if (loadOn(key) == nullptr) return;
   each([&](uint32_t berth) {
     for (uint32_t at = sleeper_[berth].walls; at != kNoSlot; at = wall_.node[at].next)
-      if (wall_.node[at].key == key) visit(berth);
+      if (colliderKey(wall_.node[at].key) == key) visit(berth);
   });
 }
 

@@ -83,10 +83,11 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
     predict(gravity_step, h, parameters.forces);
     if (!strays_.empty() && (search_due_ || !followStrays(h))) search_due_ = left_margin_ = true;
     if (search_due_) searchNeighbours(h);
-    if (walls_due_) listColliders(colliders, dt);
+    if (walls_due_) listColliders(colliders, dt, h);
     relax(colliders, parameters, h, substep);
     collectLoads(colliders, substep + 1 == substeps);
-    move(gravity_step, h, keep, parameters.forces);
+    move(gravity_step, h, keep, parameters.forces, !colliders.empty());
+    guard(colliders, static_cast<float>(substep + 1) / static_cast<float>(substeps));
   }
   addSleepersLoads(colliders, substeps);
   findUnbalanced(gravity_step);
@@ -174,7 +175,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
     }
   };
   alternate(0, [&](PairSlab& pairs, ColliderSlab& walls) {
-    placeSurfaces(walls, body, posed_);
+    placeSurfaces(walls, body, posed_, h);
     kernels_->applyKept(pairs, body, settings);
     applyKeptColliders(walls, body);
   });
@@ -199,15 +200,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
 
 // Moves grains that bounced to where the impact within the substep leaves them.
 void GrainSolver::bounce() {
-  for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
-    for (const Bounce& b : pairs_.slab[s].bounces) {
-      Body &i = bodies_.body[b.i], &j = bodies_.body[b.j];
-      const float inverse = 1 / (i.inverse_mass + j.inverse_mass);
-      i.position += b.shift * (i.inverse_mass * inverse);
-      j.position -= b.shift * (j.inverse_mass * inverse);
-    }
-    for (const Bounce& b : walls_.slab[s].bounces) bodies_.body[b.i].position += b.shift;
-  }
+  eachBounce([&](uint32_t slot, vec3 shift) { bodies_.body[slot].position += shift; });
 }
 
 // Sums the impulses on sensed colliders, in the order of the lists.
@@ -216,11 +209,16 @@ void GrainSolver::collectLoads(std::span<Collider> colliders, bool last_substep)
                                [](const Collider& c) { return c.sensed; });
   if (!any) return;
   for (uint32_t s = 0; s < walls_.slab_count; ++s) {
+    const ColliderContact* counted = nullptr;  // a grain that touches a field twice counts once
     for (const ColliderContact& contact : walls_.slab[s].contact) {
       Collider& collider = colliders[contact.collider];
       if (!collider.sensed || contact.impulse == vec3(0)) continue;
       collider.load -= glm::dvec3(contact.impulse);
-      if (last_substep) ++collider.load_contacts;
+      if (!last_substep || (counted != nullptr && counted->grain == contact.grain &&
+                            counted->collider == contact.collider))
+        continue;
+      ++collider.load_contacts;
+      counted = &contact;
     }
   }
 }
@@ -228,14 +226,19 @@ void GrainSolver::collectLoads(std::span<Collider> colliders, bool last_substep)
 // Positions by the mean of the velocities before and after where the substep changed them no more
 // than gravity would (exact for parabolas, for sliding and rolling), by the velocity after where a
 // contact stopped the grain.
-void GrainSolver::move(vec3 gravity_step, float h, float keep, std::span<const Force> forces) {
+void GrainSolver::move(vec3 gravity_step, float h, float keep, std::span<const Force> forces,
+                       bool walls) {
   const float smooth = 1.01f * glm::length(gravity_step);
   const float smooth_square = smooth * smooth;
   drift_time_ += h;
   const bool pushed = !forces.empty();
-  parallelChunks(bodies_.count, kChunk, [&](size_t, size_t begin, size_t end) {
+  // Slower grains stay where they are listed.
+  const float fast = walls ? std::min(keep * least_margin_way_ / h, kMostSpeed) : kMostSpeed;
+  driven_.resize((bodies_.count + kChunk - 1) / kChunk);
+  parallelChunks(bodies_.count, kChunk, [&](size_t chunk, size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
       Body& grain = bodies_.body[k];
+      const vec3 before = grain.position;
       const vec3 change = grain.velocity - grain.velocity_before;
       float most = smooth_square;
       if (pushed) {
@@ -247,9 +250,15 @@ void GrainSolver::move(vec3 gravity_step, float h, float keep, std::span<const F
       grain.position += h * (grain.velocity - half * change);
       grain.velocity *= keep;
       grain.spin *= keep;
-      // Only numbers beyond all physics get here; they must not spread.
-      if (!(glm::dot(grain.velocity, grain.velocity) <= kMostSpeed * kMostSpeed))
-        grain.velocity = vec3(0);
+      if (!(glm::dot(grain.velocity, grain.velocity) <= fast * fast)) {
+        // Only numbers beyond all physics are zeroed; they must not spread.
+        if (!(glm::dot(grain.velocity, grain.velocity) <= kMostSpeed * kMostSpeed))
+          grain.velocity = vec3(0);
+        const Reference& reference = bodies_.reference[k];
+        const vec3 strayed = grain.position - reference.position - drift_ * drift_time_;
+        if (walls && !(glm::dot(strayed, strayed) <= reference.margin * reference.margin))
+          driven_[chunk].push_back({static_cast<uint32_t>(k), before});
+      }
       if (!(glm::dot(grain.spin, grain.spin) * grain.radius * grain.radius <=
             kMostSpeed * kMostSpeed))
         grain.spin = vec3(0);

@@ -134,7 +134,11 @@ class GrainSolver {
   bool followStrays(float h);
   void searchNeighbours(float h);
   void joinWoken();
-  void listColliders(std::span<const Collider> colliders, float dt);
+  void listColliders(std::span<const Collider> colliders, float dt, float h);
+
+  // Guards, in guard.cpp.
+  void guard(std::span<const Collider> colliders, float t1);
+  void stopDriven(std::span<const Collider> colliders, float t1);
 
   // Saves, in solver_save.cpp: what is wrong, or nothing.
   std::string restoreScalars(ByteReader& in, uint32_t handles);
@@ -152,8 +156,11 @@ class GrainSolver {
   void predict(vec3 gravity_step, float h, std::span<const Force> forces);
   void relax(std::span<Collider> colliders, const StepParameters& parameters, float h, int substep);
   void bounce();
+  // Calls visit(slot, shift) for the grains that bounced.
+  template <class Visit>
+  void eachBounce(const Visit& visit) const;
   void collectLoads(std::span<Collider> colliders, bool last_substep);
-  void move(vec3 gravity_step, float h, float keep, std::span<const Force> forces);
+  void move(vec3 gravity_step, float h, float keep, std::span<const Force> forces, bool walls);
   void scaleKeptImpulses(float factor);
   void measure();
 
@@ -175,7 +182,13 @@ class GrainSolver {
   std::vector<uint32_t> before_sort_;
   std::vector<uint32_t> moved_, slot_of_;  // slot before the search -> before the sort -> slot
   std::vector<float> margin_;     // by slot, m
-  std::vector<PosedCollider> posed_;  // at the substep's begin
+  std::vector<PosedCollider> posed_, posed_end_;  // at the substep's begin; at its end, if guarded
+  struct Driven {
+    uint32_t slot;
+    vec3 from;
+  };
+  std::vector<std::vector<Driven>> driven_;  // by chunk: grains beyond where they are listed
+  std::vector<std::pair<uint32_t, vec3>> shifts_;  // of bounces, by slot
   std::vector<uint8_t> chunk_flags_;
   std::vector<uint32_t> strays_;  // slots that may leave their margin within the substep
   std::vector<uint32_t> met_;     // by a stray
@@ -203,6 +216,7 @@ class GrainSolver {
   float last_h_ = 0;
   float lifetime_ = 4;          // of chooseMargins()
   float least_margin_ = 0.12f;
+  float least_margin_way_ = 0;  // the least margin of a body awake, m
   uint32_t listed_awake_ = 0;   // at the last search
   int age_ = 0;           // substeps since the last search
   bool left_margin_ = false;
@@ -211,5 +225,18 @@ class GrainSolver {
   bool walls_due_ = true;
   bool searched_ = false;  // since the colliders were listed
 };
+
+template <class Visit>
+void GrainSolver::eachBounce(const Visit& visit) const {
+  for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
+    for (const Bounce& b : pairs_.slab[s].bounces) {
+      const Body &i = bodies_.body[b.i], &j = bodies_.body[b.j];
+      const float inverse = 1 / (i.inverse_mass + j.inverse_mass);
+      visit(b.i, b.shift * (i.inverse_mass * inverse));
+      visit(b.j, -b.shift * (j.inverse_mass * inverse));
+    }
+    for (const Bounce& b : walls_.slab[s].bounces) visit(b.i, b.shift);
+  }
+}
 
 }  // namespace scree::grains

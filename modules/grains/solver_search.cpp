@@ -49,7 +49,11 @@ void GrainSolver::chooseMargins(float h) {
   left_margin_ = false;
   age_ = 0;
   listed_awake_ = n;
-  for (uint32_t k = 0; k < n; ++k) margin_[k] = marginOf(bodies_.body[k], h);
+  least_margin_way_ = 3e38f;
+  for (uint32_t k = 0; k < n; ++k) {
+    margin_[k] = marginOf(bodies_.body[k], h);
+    least_margin_way_ = std::min(least_margin_way_, margin_[k]);
+  }
 }
 
 float GrainSolver::marginOf(const Body& grain, float h) const {
@@ -80,6 +84,7 @@ bool GrainSolver::followStrays(float h) {
     });
     if (meets) return false;
     bodies_.reference[slot] = reference;
+    least_margin_way_ = std::min(least_margin_way_, reference.margin);
   }
   return true;
 }
@@ -214,11 +219,11 @@ void GrainSolver::joinWoken() {
 }
 
 // Lists the grains near colliders; impulses are kept across this and across searches.
-void GrainSolver::listColliders(std::span<const Collider> colliders, float dt) {
+void GrainSolver::listColliders(std::span<const Collider> colliders, float dt, float h) {
   // With a drift the lists are made anew every tick, without it when a collider changes.
   const float extra = std::sqrt(glm::dot(drift_, drift_)) * dt;
-  walls_.build(grid_, bodies_, colliders, extra, drift_ * drift_time_, searched_, before_,
-               joining_walls_);
+  const Going going{extra, drift_ * drift_time_, drift_, h, h / dt};
+  walls_.build(grid_, bodies_, colliders, going, searched_, before_, joining_walls_);
   searched_ = false;
   walls_due_ = false;
 }

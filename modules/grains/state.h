@@ -10,6 +10,7 @@
 #include "modules/grains/crowd.h"
 #include "modules/grains/draw_state.h"
 #include "modules/grains/grains.h"
+#include "modules/grains/shapes.h"
 #include "modules/grains/solver.h"
 #include "modules/scene/scene.h"
 
@@ -58,6 +59,10 @@ struct GrainsState {
   Query<const Transform, const PlaneCollider> planes;
   Query<const Transform, const BoxCollider> boxes;
   Query<const Transform, const CapsuleCollider> capsules;
+  Query<const Transform, const SphereCollider> spheres;
+  Query<const Transform, const HullCollider> hulls;
+  Query<const Transform, const MeshCollider> meshes;
+  Query<const Transform, const SdfCollider> fields;
   Query<const Transform, RegionSensor> regions;
   Query<LoadSensor> loads;
   Query<const Grain, const GrainVelocity, const GrainMaterial> seen;
@@ -71,6 +76,7 @@ struct GrainsState {
   // Working memory of the step.
   std::vector<GrainRows> tables;
   std::vector<Collider> colliders;
+  Shapes shapes;  // of hull, mesh and SDF colliders
   std::vector<Entity> collider_entities;  // of all collider components
   size_t refused_colliders = 0;  // in the last tick
   Version rows_seen = 0;  // of the grains, after the last step
@@ -112,6 +118,11 @@ PassDesc shadowPass(const SharedState& state);      // draw.cpp
 
 // Makes the solver's memory a part of the world's saves.
 void addToSaves(const SharedState& state);  // save.cpp
+
+// An entity's colliders have the keys from firstKeyOf on, kKeysOfEntity of them.
+inline constexpr uint32_t kKeysOfEntity = 8;
+inline uint32_t firstKeyOf(Entity entity) { return entity.index * kKeysOfEntity; }
+
 // The field's origin, without making the field.
 dvec3 fieldOrigin(World& world);  // spawn.cpp
 // An entity as a message names it: by its Name if it has one.

@@ -1,0 +1,76 @@
+// Contacts of grains with distance fields: the points that touch, told apart from substep to substep.
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "modules/grains/contacts.h"
+
+namespace scree::grains {
+namespace {
+
+// A contact that nothing touches.
+void rest(ColliderContact& contact) {
+  constexpr float kFarBelow = -1e30f;
+  contact.impulse = contact.rolling = vec3(0);
+  contact.offset = kFarBelow;
+  contact.flat = 0;
+}
+
+}  // namespace
+
+size_t placeField(ColliderSlab& slab, size_t first, const Body* body, const PosedCollider& collider,
+                  float h) {
+  const ColliderContact& one = slab.contact[first];
+  size_t parts = 1;
+  while (first + parts < slab.contact.size() && slab.contact[first + parts].grain == one.grain &&
+         slab.contact[first + parts].collider == one.collider)
+    ++parts;
+  const std::span<ColliderContact> contact(&slab.contact[first], parts);
+  const Body& grain = body[one.grain];
+  const vec3 p = grain.position, local = (p - collider.position) * collider.world_from_local;
+  const vec3 u = grain.velocity - velocityAt(collider, p);
+  // What may be touched within the substep; of more than two radii the guard takes care.
+  const float reach =
+      grain.radius + std::min(0.02f * grain.radius + h * std::sqrt(glm::dot(u, u)), 2 * grain.radius);
+  SurfacePoint touch[DistanceField::kMostTouches];
+  const uint32_t count = collider.field->touches(local, reach, std::span(touch, parts));
+  slab.guards.push_back({static_cast<uint32_t>(first), local, count > 0 ? touch[0].distance : reach});
+  for (uint32_t t = 0; t < count; ++t) touch[t].normal = collider.world_from_local * touch[t].normal;
+  if (parts == 1) {
+    setSurface(contact[0], touch[0], grain, collider);
+    return 1;
+  }
+  // Each contact goes on with the point in its direction, so that it keeps its impulse.
+  constexpr float kSameSurface = 0.9f;
+  uint32_t taken = 0, used = 0;
+  const auto give = [&](size_t c, uint32_t t) {
+    setSurface(contact[c], touch[t], grain, collider);
+    taken |= 1u << t;
+    used |= 1u << c;
+  };
+  for (size_t c = 0; c < parts; ++c) {
+    if (contact[c].impulse == vec3(0)) continue;
+    uint32_t best = DistanceField::kMostTouches;
+    float most = kSameSurface;
+    for (uint32_t t = 0; t < count; ++t) {
+      const float along = glm::dot(contact[c].normal, touch[t].normal);
+      if ((taken >> t & 1) != 0 || !(along > most)) continue;
+      most = along;
+      best = t;
+    }
+    if (best < DistanceField::kMostTouches) give(c, best);
+  }
+  for (uint32_t t = 0; t < count; ++t) {
+    if ((taken >> t & 1) != 0) continue;
+    size_t c = 0;
+    while ((used >> c & 1) != 0) ++c;
+    contact[c].impulse = contact[c].rolling = vec3(0);
+    give(c, t);
+  }
+  for (size_t c = 0; c < parts; ++c)
+    if ((used >> c & 1) == 0) rest(contact[c]);
+  return parts;
+}
+
+}  // namespace scree::grains

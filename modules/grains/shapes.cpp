@@ -1,0 +1,180 @@
+// Making the shapes of colliders out of meshes, and keeping them.
+#include "modules/grains/shapes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/log.h"
+#include "modules/grains/hull.h"
+#include "modules/grains/state.h"
+#include "modules/grains/triangle_surface.h"
+
+namespace scree {
+namespace grains {
+namespace {
+
+// A shape that nothing asked for in so many ticks is let go.
+constexpr uint32_t kTicksKept = 60;
+
+// World singleton: fields that programs gave.
+struct DistanceFields {
+  std::vector<SharedField> field;
+};
+
+// Corners of a mesh's triangles, three each, scaled. A mirrored mesh keeps its outside outside.
+std::vector<vec3> cornersOf(const MeshStore& store, const StoredMesh& mesh, vec3 scale) {
+  const bool mirrored = scale.x * scale.y * scale.z < 0;
+  std::vector<vec3> corners;
+  for (const MeshPart& part : mesh.parts) {
+    const std::span<const Vertex> vertices = store.vertices(part);
+    for (const uint32_t index : store.indices(part)) corners.push_back(vertices[index].position * scale);
+  }
+  if (mirrored)
+    for (size_t k = 0; k + 3 <= corners.size(); k += 3) std::swap(corners[k + 1], corners[k + 2]);
+  return corners;
+}
+
+size_t trianglesOf(const StoredMesh& mesh) {
+  size_t indices = 0;
+  for (const MeshPart& part : mesh.parts) indices += part.index_count;
+  return indices / 3;
+}
+
+}  // namespace
+
+void Shapes::begin(World& world) {
+  world_ = &world;
+  refused_now_.clear();
+  for (Shape& shape : shape_) ++shape.unused;
+}
+
+void Shapes::end() {
+  std::erase_if(shape_, [](const Shape& shape) { return shape.unused > kTicksKept; });
+  std::sort(refused_now_.begin(), refused_now_.end());
+  refused_.swap(refused_now_);
+  count();
+}
+
+void Shapes::forget(World& world) {
+  if (shape_.empty() && refused_.empty()) return;
+  begin(world);
+  end();
+}
+
+void Shapes::count() {
+  ColliderShapes& counts = world_->singleton<ColliderShapes>();
+  counts.kept = 0;
+  counts.bytes = 0;
+  for (const Shape& shape : shape_) {
+    if (shape.field == nullptr) continue;
+    ++counts.kept;
+    counts.bytes += shape.field->memoryBytes();
+  }
+}
+
+SharedField Shapes::hull(uint32_t key, Entity entity, vec3 scale) {
+  return find(key, entity, "HullCollider", {Kind::Hull, 0, scale, 0});
+}
+
+SharedField Shapes::mesh(uint32_t key, Entity entity, vec3 scale, const MeshCollider& collider) {
+  const vec3 size = glm::abs(scale);
+  return find(key, entity, "MeshCollider",
+              {collider.solid ? Kind::Solid : Kind::Sheet, 0, scale,
+               collider.thickness * std::max({size.x, size.y, size.z})});
+}
+
+SharedField Shapes::sdf(uint32_t key, Entity entity, vec3 scale, const SdfCollider& collider) {
+  if (collider.field == 0)
+    return find(key, entity, "SdfCollider", {Kind::Sdf, 0, scale, static_cast<float>(collider.resolution)});
+  const std::vector<SharedField>& given = world_->singleton<DistanceFields>().field;
+  if (collider.field > given.size())
+    return refuse(key, entity, "SdfCollider",
+                  fmt::format("field = {}; the program has given {}", collider.field, given.size()));
+  if (scale != vec3(1))
+    return refuse(key, entity, "SdfCollider",
+                  fmt::format("its Transform's scale is ({}, {}, {}); allowed is 1 for a field that a program gave",
+                              scale.x, scale.y, scale.z));
+  return given[collider.field - 1];
+}
+
+SharedField Shapes::find(uint32_t key, Entity entity, const char* collider, Recipe recipe) {
+  const MeshInstance* instance = world_->peek<MeshInstance>(entity);
+  if (instance == nullptr) return refuse(key, entity, collider, "its node has no mesh");
+  recipe.mesh = instance->mesh;
+  auto at = std::find_if(shape_.begin(), shape_.end(),
+                         [&](const Shape& shape) { return shape.recipe == recipe; });
+  if (at == shape_.end()) {
+    shape_.push_back({recipe, nullptr, {}, 0});
+    at = std::prev(shape_.end());
+    make(*at);
+  }
+  at->unused = 0;
+  return at->field != nullptr ? at->field : refuse(key, entity, collider, at->fault);
+}
+
+void Shapes::make(Shape& shape) {
+  const Recipe& recipe = shape.recipe;
+  const MeshStore& store = world_->singleton<const MeshStore>();
+  if (recipe.mesh >= store.size()) {
+    shape.fault = fmt::format("its MeshInstance names mesh {}; there are {}", recipe.mesh, store.size());
+    return;
+  }
+  const StoredMesh& mesh = store.mesh(recipe.mesh);
+  const auto named = [&](const std::string& wrong) {
+    return fmt::format("mesh \"{}\": {}", mesh.name, wrong);
+  };
+  if (recipe.scale.x == 0 || recipe.scale.y == 0 || recipe.scale.z == 0) {
+    shape.fault = named(fmt::format("scaled by ({}, {}, {}) it is flat", recipe.scale.x, recipe.scale.y,
+                                    recipe.scale.z));
+    return;
+  }
+  const size_t triangles = trianglesOf(mesh);
+  if (triangles > kMostTriangles) {  // before they are copied
+    shape.fault = named(fmt::format("it has {} triangles; allowed are {}", triangles, kMostTriangles));
+    return;
+  }
+  const std::vector<vec3> corners = cornersOf(store, mesh, recipe.scale);
+  ColliderShapes& counts = world_->singleton<ColliderShapes>();
+  Result<SharedField> made = SharedField();
+  switch (recipe.kind) {
+    case Kind::Hull:
+      made = makeHull(corners);
+      counts.hulls += made.ok();
+      break;
+    case Kind::Sheet:
+    case Kind::Solid:
+      made = makeMesh(corners, recipe.kind == Kind::Solid, recipe.detail);
+      counts.meshes += made.ok();
+      break;
+    case Kind::Sdf:
+      made = bakeMesh(corners, static_cast<int>(recipe.detail));
+      counts.fields += made.ok();
+      break;
+  }
+  if (made.ok()) {
+    shape.field = *made;
+  } else {
+    shape.fault = named(made.error());
+  }
+}
+
+SharedField Shapes::refuse(uint32_t key, Entity entity, const char* collider, const std::string& why) {
+  refused_now_.push_back(key);
+  if (!std::binary_search(refused_.begin(), refused_.end(), key)) {
+    logWarning("grains.step: {} of {} refused: {}", collider, nameOf(*world_, entity), why);
+    ++world_->singleton<ColliderShapes>().refused;
+  }
+  return nullptr;
+}
+
+}  // namespace grains
+
+uint32_t addDistanceField(World& world, std::shared_ptr<const DistanceField> field) {
+  std::vector<grains::SharedField>& given = world.singleton<grains::DistanceFields>().field;
+  given.push_back(std::move(field));
+  return static_cast<uint32_t>(given.size());
+}
+
+}  // namespace scree

@@ -1,0 +1,51 @@
+// The shapes of hull, mesh and SDF colliders: made of meshes once, shared, kept while they are used.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "modules/grains/surface_field.h"
+
+namespace scree::grains {
+
+class Shapes {
+ public:
+  // Around the questions of a tick: what was not asked for in some ticks is let go.
+  void begin(World& world);
+  void end();
+  // There are no such colliders.
+  void forget(World& world);
+
+  // The shape of an entity's mesh, scaled; null if it has none that will do, which one line says when
+  // it is first found. `key` identifies the collider.
+  SharedField hull(uint32_t key, Entity entity, vec3 scale);
+  SharedField mesh(uint32_t key, Entity entity, vec3 scale, const MeshCollider& collider);
+  SharedField sdf(uint32_t key, Entity entity, vec3 scale, const SdfCollider& collider);
+
+ private:
+  enum class Kind : uint32_t { Hull, Sheet, Solid, Sdf };
+  struct Recipe {
+    Kind kind = Kind::Hull;
+    uint32_t mesh = 0;
+    vec3 scale{1};
+    float detail = 0;  // thickness, or resolution
+    bool operator==(const Recipe&) const = default;
+  };
+  struct Shape {
+    Recipe recipe;
+    SharedField field;  // null: refused
+    std::string fault;
+    uint32_t unused = 0;  // ticks
+  };
+
+  SharedField find(uint32_t key, Entity entity, const char* collider, Recipe recipe);
+  void make(Shape& shape);
+  SharedField refuse(uint32_t key, Entity entity, const char* collider, const std::string& why);
+  void count();
+
+  World* world_ = nullptr;
+  std::vector<Shape> shape_;
+  std::vector<uint32_t> refused_, refused_now_;  // keys, sorted
+};
+
+}  // namespace scree::grains
