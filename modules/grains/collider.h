@@ -53,6 +53,8 @@ struct PosedCollider {
   vec3 velocity{0};          // of `position`, m/s
   vec3 spin{0};              // rad/s
   vec3 surface_velocity{0};  // world axes
+
+  bool moves() const { return velocity != vec3(0) || spin != vec3(0); }
 };
 
 // Pose at `t0` and motion from t0 to t1, fractions of the tick that are `h` seconds apart.

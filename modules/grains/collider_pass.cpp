@@ -22,6 +22,7 @@ void setSurface(ColliderContact& contact, const SurfacePoint& near, const Body& 
 
 void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCollider> posed, float h) {
   slab.guards.clear();
+  slab.driven = false;
   for (size_t k = 0; k < slab.contact.size(); ++k) {
     ColliderContact& contact = slab.contact[k];
     const PosedCollider& collider = posed[contact.collider];
@@ -31,9 +32,11 @@ void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCo
     }
     const vec3 p = body[contact.grain].position;
     SurfacePoint near = nearestSurface(collider, p);
-    if (contact.guarded)
+    if (contact.guarded) {
       slab.guards.push_back({static_cast<uint32_t>(k), (p - collider.position) * collider.world_from_local,
                              near.distance});
+      slab.driven = slab.driven || collider.moves();
+    }
     // A centre inside the shape goes back out on the side where it came in, not on the nearest one.
     if (near.distance < 0 && contact.normal != vec3(0))
       near = {contact.normal, glm::dot(contact.normal, p) - supportOffset(collider, contact.normal), 0};
@@ -88,6 +91,7 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
     const float gap = glm::dot(normal, grain.position) - contact.offset - grain.radius;
     const vec3 u = grain.velocity - contact.surface_velocity;
     const float un = glm::dot(u, normal), old_n = glm::dot(contact.impulse, normal);
+    if (settings.standing && posed[contact.collider].moves()) continue;
     const float mass = contact.mass;
     const float asked =
         contact.approach > 0 ? contact.approach : -std::max(gap, 0.0f) * settings.inverse_h;

@@ -30,6 +30,7 @@ struct PassSettings {
   float tolerated = 0;  // m/s: a collider's contact that is violated by less is left as it is
   bool rolling = false;  // some grain or collider has rolling friction
   bool bouncing = false;  // some grain or collider has restitution
+  bool standing = false;  // only contacts with colliders that do not move
 };
 
 // A contact that bounced in this substep: how far to move its grains so that they end where the
@@ -185,6 +186,7 @@ struct ColliderSlab {
   std::vector<ColliderContact> contact;  // by grain, then collider
   std::vector<Bounce> bounces;
   std::vector<Guard> guards;
+  bool driven = false;  // a guarded collider moves
   uint32_t begin = 0, end = 0;  // slots of the slab's grains
   float deepest = 0;
 

@@ -17,6 +17,27 @@ void rest(ColliderContact& contact) {
   contact.flat = 0;
 }
 
+// Adds the faces that the grain comes to within the substep and did not touch before: of a ramp the
+// foot is nearest until the grain is on it.
+uint32_t addFacesAhead(const DistanceField& field, vec3 p, vec3 way, float radius,
+                       std::span<SurfacePoint> touch, uint32_t count) {
+  constexpr float kSameDirection = 0.9998f;
+  SurfacePoint ahead[DistanceField::kMostTouches];
+  const uint32_t found =
+      field.touches(p + way, 1.02f * radius, std::span(ahead, touch.size()));
+  for (uint32_t k = 0; k < found && count < touch.size(); ++k) {
+    SurfacePoint face = ahead[k];
+    face.distance -= glm::dot(face.normal, way);  // from where the grain is now
+    // Only planes, and only those that it is before: around an edge the one there now is right.
+    bool fresh = face.flat > 0 && face.distance > 0.999f * radius;
+    for (uint32_t t = 0; t < count; ++t)
+      fresh = fresh && glm::dot(face.normal, touch[t].normal) < kSameDirection;
+    face.flat = 0;
+    if (fresh) touch[count++] = face;
+  }
+  return count;
+}
+
 }  // namespace
 
 size_t placeField(ColliderSlab& slab, size_t first, const Body* body, const PosedCollider& collider,
@@ -34,8 +55,12 @@ size_t placeField(ColliderSlab& slab, size_t first, const Body* body, const Pose
   const float reach =
       grain.radius + std::min(0.02f * grain.radius + h * std::sqrt(glm::dot(u, u)), 2 * grain.radius);
   SurfacePoint touch[DistanceField::kMostTouches];
-  const uint32_t count = collider.field->touches(local, reach, std::span(touch, parts));
+  uint32_t count = collider.field->touches(local, reach, std::span(touch, parts));
   slab.guards.push_back({static_cast<uint32_t>(first), local, count > 0 ? touch[0].distance : reach});
+  if (parts > 1 && h * h * glm::dot(u, u) > 0.01f * grain.radius * grain.radius)
+    count = addFacesAhead(*collider.field, local, h * (u * collider.world_from_local), grain.radius,
+                          std::span(touch, parts), count);
+  slab.driven = slab.driven || collider.moves();
   for (uint32_t t = 0; t < count; ++t) touch[t].normal = collider.world_from_local * touch[t].normal;
   if (parts == 1) {
     setSurface(contact[0], touch[0], grain, collider);

@@ -14,29 +14,67 @@ namespace scree::grains {
 namespace {
 
 constexpr float kCore = 0.25f;  // radii
+constexpr float kDeep = 0.5f;   // radii from a plane to the centre
 
-// Takes a grain that was `distance` away at `local` back if its way leads through the surface.
+// Takes a grain that was `distance` away at `local` back if its way leads through the surface: it
+// goes on along the surface from there.
 bool keep(const PosedCollider& end, vec3 local, float distance, Body& grain) {
   if (!(distance > 0)) return false;  // inside already: the contact pushes it out
-  const vec3 from = end.position + end.world_from_local * local;
+  vec3 from = end.position + end.world_from_local * local, to = grain.position;
   const float core = std::min(kCore * grain.radius, 0.5f * distance);
-  const float free = freeWay(end, from, grain.position, distance, core);
-  if (!(free < 1)) return false;
-  grain.position = from + (grain.position - from) * free;
+  constexpr int kTurns = 3;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const float free = freeWay(end, from, to, distance, core);
+    if (!(free < 1)) {
+      grain.position = to;
+      return turn > 0;
+    }
+    from += (to - from) * free;
+    const SurfacePoint near = nearestSurface(end, from);
+    const vec3 rest = to - from;
+    to -= near.normal * glm::dot(rest, near.normal);
+    // Along the surface it stays where it is, but for rounding and for what the surface does.
+    distance = std::max(near.distance, core);
+    from += near.normal * (0.01f * core);
+    to += near.normal * (0.01f * core);
+  }
+  grain.position = from;
   return true;
+}
+
+// Takes a grain that something carried back before the other surfaces that it touches.
+void pressBack(const ColliderSlab& slab, uint32_t contact, Body& grain,
+               std::span<const PosedCollider> posed) {
+  const auto of = [&](size_t k) { return slab.contact[k].grain == slab.contact[contact].grain; };
+  size_t first = contact;
+  while (first > 0 && of(first - 1)) --first;
+  for (size_t k = first; k < slab.contact.size() && of(k); ++k) {
+    const ColliderContact& other = slab.contact[k];
+    if (other.guarded || posed[other.collider].moves()) continue;
+    const float gap = glm::dot(other.normal, grain.position) - other.offset - grain.radius;
+    if (gap < 0) grain.position -= other.normal * gap;
+  }
 }
 
 }  // namespace
 
 void keepGuards(ColliderSlab& slab, Body* body, std::span<const PosedCollider> begin,
                 std::span<const PosedCollider> end) {
-  // What stands has the last word: a grain between a wall and a blade slips through the blade.
-  for (const bool moving : {true, false}) {
-    for (const Guard& guard : slab.guards) {
-      const ColliderContact& contact = slab.contact[guard.contact];
-      const PosedCollider& collider = begin[contact.collider];
-      if ((collider.velocity != vec3(0) || collider.spin != vec3(0)) != moving) continue;
-      keep(end[contact.collider], guard.local, guard.distance, body[contact.grain]);
+  // A grain that a blade takes along may come to a wall, and one that slides along a wall to a blade.
+  // What stands has the last word: a grain pressed between the two slips through the blade.
+  constexpr int kRounds = 4;
+  bool met = true;
+  for (int round = 0; round < kRounds && met; ++round) {
+    met = false;
+    for (const bool moving : {true, false}) {
+      for (const Guard& guard : slab.guards) {
+        const ColliderContact& contact = slab.contact[guard.contact];
+        if (begin[contact.collider].moves() != moving) continue;
+        Body& grain = body[contact.grain];
+        if (!keep(end[contact.collider], guard.local, guard.distance, grain)) continue;
+        met = true;
+        if (moving) pressBack(slab, guard.contact, grain, begin);
+      }
     }
   }
 }
@@ -75,7 +113,14 @@ void GrainSolver::stopDriven(std::span<const Collider> colliders, float t1) {
               high.y < bounds.min.y || bounds.max.y < low.y || high.z < bounds.min.z ||
               bounds.max.z < low.z)
             continue;
-          stopAt(posed_[k], moving ? poseCollider(colliders[k], t1, t1, 0) : posed_[k], from, grain);
+          const PosedCollider end = moving ? poseCollider(colliders[k], t1, t1, 0) : posed_[k];
+          if (colliders[k].shape == Shape::Plane) {  // no other side: only not deep in it
+            const SurfacePoint near = nearestSurface(end, grain.position);
+            if (near.distance < kDeep * grain.radius)
+              grain.position += near.normal * (grain.radius - near.distance);
+          } else {
+            stopAt(posed_[k], end, from, grain);
+          }
         }
     }
     driven_[chunk].clear();
