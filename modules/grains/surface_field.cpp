@@ -85,7 +85,7 @@ class SurfaceField : public DistanceField {
   float half_;  // of the thickness, m
 };
 
-constexpr const char* kOpen = "its mesh is not closed: some edge has not exactly two triangles on two sides";
+constexpr const char* kOpen = "it is not closed: some edge has not exactly two triangles, one on each side";
 
 }  // namespace
 

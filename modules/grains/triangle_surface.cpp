@@ -200,7 +200,7 @@ TriangleSurface::Nearest TriangleSurface::nearest(vec3 p, double most) const {
     square = best.square = now;
     nearest = on;
     found = k;
-  });
+  }, [](vec3, vec3) { return false; });
   if (best.square < std::numeric_limits<double>::infinity()) {
     best.point = nearest.point;
     best.outward = outwardAt(found, nearest.feature);
@@ -271,6 +271,13 @@ uint32_t TriangleSurface::touches(vec3 p, double reach, bool front, std::span<Ne
     for (uint32_t t = count; t > place; --t) touch[t] = touch[t - 1];
     touch[place] = now;
     ++count;
+  }, [&](vec3 low, vec3 high) {
+    // All of the box lies behind the plane through the nearest touch.
+    if (count == 0) return false;
+    const Touch& first = touch[0];
+    const dvec3 n = first.direction;
+    const dvec3 top(n.x > 0 ? high.x : low.x, n.y > 0 ? high.y : low.y, n.z > 0 ? high.z : low.z);
+    return glm::dot(n, top - first.on.point) < kOnPlane * std::sqrt(first.square);
   });
   count = std::min(count, static_cast<uint32_t>(out.size()));
   for (uint32_t t = 0; t < count; ++t)

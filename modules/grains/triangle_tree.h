@@ -1,6 +1,7 @@
 // A tree of boxes around the triangles of a surface: which of them are near a point.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,9 +19,10 @@ class TriangleTree {
   std::span<const uint32_t> order() const { return order_; }
 
   // Calls visit(k, most) for triangles k of the tree whose boxes are nearer to p than the root of
-  // `most`, the nearest box first; visit may lower `most`, m^2.
-  template <class Visit>
-  void near(vec3 p, double most, const Visit& visit) const;
+  // `most`, the nearest box first; visit may lower `most`, m^2. Boxes for which skip(low, high) holds
+  // when their turn comes are passed over.
+  template <class Visit, class Skip>
+  void near(vec3 p, double most, const Visit& visit, const Skip& skip) const;
 
   vec3 low() const { return node_.empty() ? vec3(0) : node_[0].low; }
   vec3 high() const { return node_.empty() ? vec3(0) : node_[0].high; }
@@ -37,23 +39,20 @@ class TriangleTree {
   // Halving 2^32 triangles down to leaves of one takes 32 levels.
   static constexpr int kDepth = 40;
 
+  // The square of the distance, or a little less: for its rounding.
   static double squareTo(const Node& node, vec3 p) {
-    double sum = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double at = p[axis], below = static_cast<double>(node.low[axis]) - at,
-                   above = at - static_cast<double>(node.high[axis]);
-      const double away = below > 0 ? below : above > 0 ? above : 0;
-      sum += away * away;
-    }
-    return sum;
+    const auto away = [](float below, float above) { return std::max(std::max(below, above), 0.0f); };
+    const float x = away(node.low.x - p.x, p.x - node.high.x), y = away(node.low.y - p.y, p.y - node.high.y),
+                z = away(node.low.z - p.z, p.z - node.high.z);
+    return static_cast<double>(0.999999f * (x * x + y * y + z * z));
   }
 
   std::vector<Node> node_;
   std::vector<uint32_t> order_;
 };
 
-template <class Visit>
-void TriangleTree::near(vec3 p, double most, const Visit& visit) const {
+template <class Visit, class Skip>
+void TriangleTree::near(vec3 p, double most, const Visit& visit, const Skip& skip) const {
   if (node_.empty()) return;
   struct Entry {
     uint32_t node;
@@ -64,8 +63,8 @@ void TriangleTree::near(vec3 p, double most, const Visit& visit) const {
   stack[depth++] = {0, squareTo(node_[0], p)};
   while (depth > 0) {
     const Entry entry = stack[--depth];
-    if (!(entry.square < most)) continue;
     const Node& node = node_[entry.node];
+    if (!(entry.square < most) || skip(node.low, node.high)) continue;
     if (node.count > 0) {
       for (uint32_t k = 0; k < node.count; ++k) visit(node.first + k, most);
       continue;
