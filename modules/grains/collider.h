@@ -28,6 +28,7 @@ struct Collider {
   vec3 a{0}, b{0};      // capsule, local, m
   float radius = 0;     // capsule, m
   std::shared_ptr<const DistanceField> field;  // of Shape::Field
+  uint64_t field_identity = 0;  // equal for equal fields, in any process; 0: not known
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;

@@ -21,9 +21,14 @@ bool alike(const Collider& a, const Collider& b) {
   return a.shape == b.shape && a.position0 == b.position0 && a.position1 == b.position1 &&
          a.rotation0 == b.rotation0 && a.rotation1 == b.rotation1 &&
          a.half_extent == b.half_extent && a.a == b.a && a.b == b.b && a.radius == b.radius &&
-         a.field == b.field &&
+         (a.field == b.field || (a.field_identity != 0 && a.field_identity == b.field_identity)) &&
          a.friction == b.friction && a.rolling_friction == b.rolling_friction &&
          a.restitution == b.restitution && a.surface_velocity == b.surface_velocity;
+}
+
+// As a saved world tells of it: the first tick brings the field.
+bool lacksField(const Collider& collider) {
+  return collider.shape == Shape::Field && collider.field == nullptr;
 }
 
 // How far a grain's surface may be from its reference until the next listing.
@@ -47,9 +52,10 @@ bool ColliderLists::sweep(std::span<const Collider> colliders) {
   for (size_t k = 0; k < colliders.size(); ++k) {
     Swept& swept = swept_[k];
     swept.fresh = !same_keys || !alike(swept.collider, colliders[k]);
-    if (!swept.fresh) continue;
-    any = true;
+    any = any || swept.fresh;
+    if (!swept.fresh && swept.collider.field == colliders[k].field) continue;
     swept.collider = colliders[k];
+    if (lacksField(swept.collider)) continue;
     swept.bounds = sweptBounds(colliders[k]);
     swept.motion = motionBound(colliders[k]);
     swept.thickness = thicknessOf(colliders[k]);
@@ -191,6 +197,7 @@ bool ColliderLists::misses(uint32_t slot, uint32_t in_slab, vec3 position, float
   const std::vector<ColliderContact>& listed = slab[in_slab].contact;
   for (uint32_t k = 0; k < swept_.size(); ++k) {
     const Swept& swept = swept_[k];
+    if (lacksField(swept.collider)) return true;
     if (apart(bounds, swept.bounds) ||
         !(distanceTo(swept.begin, position, 2 * (around + swept.motion)) < around + swept.motion))
       continue;

@@ -106,8 +106,10 @@ void gatherColliders(GrainsState& state, const dvec3& origin, float dt) {
                             const char* name, const auto& ask) {
     Collider collider = place(state, entity, kind, Shape::Field, transform, component, origin, dt);
     if (faultIn(transform, component, vec3(0)).empty()) {
-      collider.field = ask(keyOf(entity, kind), entity, transform.scale);
-      if (collider.field == nullptr) return;
+      FoundShape found = ask(keyOf(entity, kind), entity, transform.scale);
+      if (found.field == nullptr) return;
+      collider.field = std::move(found.field);
+      collider.field_identity = found.identity;
     }
     add(entity, transform, component, collider, vec3(0), name);
   };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 
 #include "modules/grains/contacts.h"
 #include "modules/grains/grains.h"
@@ -144,6 +145,8 @@ void ColliderLists::save(ByteWriter& out) const {
     for (const ColliderContact& contact : slab[s].contact) {
       out.number(contact.grain);
       out.number(contact.collider);
+      out.number(static_cast<uint8_t>(contact.key / kKeyLimit));  // partKey
+      out.number(static_cast<uint8_t>(contact.guarded));
       out.number(contact.impulse);
       out.number(contact.rolling);
       out.number(contact.normal);
@@ -158,11 +161,11 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
   const auto extra = in.number<float>();
   if (!(extra >= 0) || !finite(extra)) return fmt::format("a drift by {} m; allowed is 0 or more", extra);
   const auto count = in.number<uint32_t>();
-  if (!in.has(count, 128)) return fmt::format("{} colliders reach beyond the end", count);
+  if (!in.has(count, 136)) return fmt::format("{} colliders reach beyond the end", count);
   std::vector<Collider> colliders(count);
   for (uint32_t k = 0; k < count; ++k)
     if (!readCollider(in, colliders[k]) || (k > 0 && colliders[k - 1].key >= colliders[k].key))
-      return fmt::format("collider {} has no shape, or comes before the last one", k);
+      return fmt::format("collider {} has no shape or key, or comes before the last one", k);
   sweep(colliders);
   extra_ = extra;
   slab_count = slab_begin.empty() ? 0 : static_cast<uint32_t>(slab_begin.size() - 1);
@@ -172,22 +175,26 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
     own.begin = slab_begin[s];
     own.end = slab_begin[s + 1];
     const auto contacts = in.number<uint32_t>();
-    if (!in.has(contacts, 57))
+    if (!in.has(contacts, 59))
       return fmt::format("slab {}: {} contacts with colliders reach beyond the end", s, contacts);
     own.contact.reserve(contacts);
     for (uint32_t c = 0; c < contacts; ++c) {
       ColliderContact contact;
       contact.grain = in.number<uint32_t>();
       contact.collider = in.number<uint32_t>();
+      const auto part = in.number<uint8_t>();
+      contact.guarded = in.number<uint8_t>() != 0;
       contact.impulse = in.number<vec3>();
       contact.rolling = in.number<vec3>();
       contact.normal = in.number<vec3>();
       const auto mixed = in.number<vec3>();
       contact.trust = in.number<uint8_t>() != 0 ? 1.0f : 0.0f;
-      if (contact.grain < own.begin || contact.grain >= own.end || contact.collider >= count)
-        return fmt::format("slab {}, contact {}: body {} and collider {} are not there", s, c,
-                           contact.grain, contact.collider);
-      const auto place = [](const ColliderContact& x) { return std::pair(x.grain, x.collider); };
+      const bool there = contact.grain >= own.begin && contact.grain < own.end && contact.collider < count;
+      if (!there || part >= (colliders[contact.collider].shape == Shape::Field ? DistanceField::kMostTouches : 1))
+        return fmt::format("slab {}, contact {}: body {} and part {} of collider {} are not there", s, c,
+                           contact.grain, part, contact.collider);
+      contact.key = partKey(colliders[contact.collider].key, part);
+      const auto place = [](const ColliderContact& x) { return std::tuple(x.grain, x.collider, x.key); };
       if (c > 0 && place(own.contact.back()) >= place(contact))
         return fmt::format("slab {}: contacts with colliders are out of order at {}", s, c);
       if (in_force && !isAwake(bodies, contact.grain))
@@ -195,7 +202,6 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
       if (!finite(contact.impulse) || !finite(contact.rolling) || !finite(contact.normal) ||
           !finite(mixed) || !(mixed.x >= 0 && mixed.y >= 0 && mixed.z >= 0))
         return fmt::format("slab {}, contact {} with a collider: numbers that are not allowed", s, c);
-      contact.key = colliders[contact.collider].key;
       contact.friction = mixed.x;
       contact.rolling_friction = mixed.y;
       contact.restitution = mixed.z;

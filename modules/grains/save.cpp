@@ -33,7 +33,8 @@ Result<std::function<void()>> load(const std::weak_ptr<GrainsState>& weak, std::
         if (state == nullptr) return;
         state->solver = std::move(*restored);
         state->stepped = stepped;
-        state->rows_seen = 0;
+        state->rows_seen = state->regions_seen = 0;
+        state->regions_of_sleepers.clear();
       });
 }
 

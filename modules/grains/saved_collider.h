@@ -10,8 +10,9 @@ namespace scree::grains {
 template <class AnyCollider, class Visit>
 void eachSavedField(AnyCollider& collider, const Visit& visit) {
   // A new field does not compile until it is named here, and saved or left out.
-  auto& [key, shape, position0, position1, rotation0, rotation1, half_extent, a, b, radius, friction,
-         rolling_friction, restitution, surface_velocity, sensed, load, load_contacts] = collider;
+  auto& [key, shape, position0, position1, rotation0, rotation1, half_extent, a, b, radius, field,
+         field_identity, friction, rolling_friction, restitution, surface_velocity, sensed, load,
+         load_contacts] = collider;
   visit(key);
   visit(shape);
   visit(position0);
@@ -22,6 +23,8 @@ void eachSavedField(AnyCollider& collider, const Visit& visit) {
   visit(a);
   visit(b);
   visit(radius);
+  static_cast<void>(field);  // the first tick brings it
+  visit(field_identity);
   visit(friction);
   visit(rolling_friction);
   visit(restitution);
@@ -36,6 +39,7 @@ inline bool isShape(Shape shape) {
     case Shape::Plane:
     case Shape::Box:
     case Shape::Capsule:
+    case Shape::Field:
       return true;
   }
   return false;
@@ -46,10 +50,10 @@ inline void writeCollider(ByteWriter& out, const Collider& collider) {
 }
 
 // Any numbers: a collider that is not to the bit like the world's own is not used. False: its shape
-// is none.
+// or key is none.
 inline bool readCollider(ByteReader& in, Collider& collider) {
   eachSavedField(collider, [&]<class T>(T& field) { field = in.number<T>(); });
-  return isShape(collider.shape);
+  return isShape(collider.shape) && collider.key < kKeyLimit;
 }
 
 }  // namespace scree::grains

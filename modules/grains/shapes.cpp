@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/hash.h"
 #include "engine/core/log.h"
 #include "modules/grains/hull.h"
 #include "modules/grains/state.h"
@@ -68,24 +69,24 @@ void Shapes::count() {
   counts.kept = 0;
   counts.bytes = 0;
   for (const Shape& shape : shape_) {
-    if (shape.field == nullptr) continue;
+    if (shape.found.field == nullptr) continue;
     ++counts.kept;
-    counts.bytes += shape.field->memoryBytes();
+    counts.bytes += shape.found.field->memoryBytes();
   }
 }
 
-SharedField Shapes::hull(uint32_t key, Entity entity, vec3 scale) {
+FoundShape Shapes::hull(uint32_t key, Entity entity, vec3 scale) {
   return find(key, entity, "HullCollider", {Kind::Hull, 0, scale, 0});
 }
 
-SharedField Shapes::mesh(uint32_t key, Entity entity, vec3 scale, const MeshCollider& collider) {
+FoundShape Shapes::mesh(uint32_t key, Entity entity, vec3 scale, const MeshCollider& collider) {
   const vec3 size = glm::abs(scale);
   return find(key, entity, "MeshCollider",
               {collider.solid ? Kind::Solid : Kind::Sheet, 0, scale,
                collider.thickness * std::max({size.x, size.y, size.z})});
 }
 
-SharedField Shapes::sdf(uint32_t key, Entity entity, vec3 scale, const SdfCollider& collider) {
+FoundShape Shapes::sdf(uint32_t key, Entity entity, vec3 scale, const SdfCollider& collider) {
   if (collider.field == 0)
     return find(key, entity, "SdfCollider", {Kind::Sdf, 0, scale, static_cast<float>(collider.resolution)});
   const std::vector<SharedField>& given = world_->singleton<DistanceFields>().field;
@@ -96,22 +97,23 @@ SharedField Shapes::sdf(uint32_t key, Entity entity, vec3 scale, const SdfCollid
     return refuse(key, entity, "SdfCollider",
                   fmt::format("its Transform's scale is ({}, {}, {}); allowed is 1 for a field that a program gave",
                               scale.x, scale.y, scale.z));
-  return given[collider.field - 1];
+  // Programs give their fields in a set order.
+  return {given[collider.field - 1], collider.field};
 }
 
-SharedField Shapes::find(uint32_t key, Entity entity, const char* collider, Recipe recipe) {
+FoundShape Shapes::find(uint32_t key, Entity entity, const char* collider, Recipe recipe) {
   const MeshInstance* instance = world_->peek<MeshInstance>(entity);
   if (instance == nullptr) return refuse(key, entity, collider, "its node has no mesh");
   recipe.mesh = instance->mesh;
   auto at = std::find_if(shape_.begin(), shape_.end(),
                          [&](const Shape& shape) { return shape.recipe == recipe; });
   if (at == shape_.end()) {
-    shape_.push_back({recipe, nullptr, {}, 0});
+    shape_.push_back({recipe, {}, {}, 0});
     at = std::prev(shape_.end());
     make(*at);
   }
   at->unused = 0;
-  return at->field != nullptr ? at->field : refuse(key, entity, collider, at->fault);
+  return at->found.field != nullptr ? at->found : refuse(key, entity, collider, at->fault);
 }
 
 void Shapes::make(Shape& shape) {
@@ -154,19 +156,23 @@ void Shapes::make(Shape& shape) {
       break;
   }
   if (made.ok()) {
-    shape.field = *made;
+    const struct {
+      Kind kind;
+      float detail;
+    } how{recipe.kind, recipe.detail};
+    shape.found = {*made, hashBytes(corners.data(), corners.size() * sizeof(vec3), hashBytes(&how, sizeof how))};
   } else {
     shape.fault = named(made.error());
   }
 }
 
-SharedField Shapes::refuse(uint32_t key, Entity entity, const char* collider, const std::string& why) {
+FoundShape Shapes::refuse(uint32_t key, Entity entity, const char* collider, const std::string& why) {
   refused_now_.push_back(key);
   if (!std::binary_search(refused_.begin(), refused_.end(), key)) {
     logWarning("grains.step: {} of {} refused: {}", collider, nameOf(*world_, entity), why);
     ++world_->singleton<ColliderShapes>().refused;
   }
-  return nullptr;
+  return {};
 }
 
 }  // namespace grains

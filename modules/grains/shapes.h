@@ -8,6 +8,12 @@
 
 namespace scree::grains {
 
+// A field, null if there is none, and what tells it from others in every process (Collider).
+struct FoundShape {
+  SharedField field;
+  uint64_t identity = 0;
+};
+
 class Shapes {
  public:
   // Around the questions of a tick: what was not asked for in some ticks is let go.
@@ -18,9 +24,9 @@ class Shapes {
 
   // The shape of an entity's mesh, scaled; null if it has none that will do, which one line says when
   // it is first found. `key` identifies the collider.
-  SharedField hull(uint32_t key, Entity entity, vec3 scale);
-  SharedField mesh(uint32_t key, Entity entity, vec3 scale, const MeshCollider& collider);
-  SharedField sdf(uint32_t key, Entity entity, vec3 scale, const SdfCollider& collider);
+  FoundShape hull(uint32_t key, Entity entity, vec3 scale);
+  FoundShape mesh(uint32_t key, Entity entity, vec3 scale, const MeshCollider& collider);
+  FoundShape sdf(uint32_t key, Entity entity, vec3 scale, const SdfCollider& collider);
 
  private:
   enum class Kind : uint32_t { Hull, Sheet, Solid, Sdf };
@@ -33,14 +39,14 @@ class Shapes {
   };
   struct Shape {
     Recipe recipe;
-    SharedField field;  // null: refused
+    FoundShape found;  // null: refused
     std::string fault;
     uint32_t unused = 0;  // ticks
   };
 
-  SharedField find(uint32_t key, Entity entity, const char* collider, Recipe recipe);
+  FoundShape find(uint32_t key, Entity entity, const char* collider, Recipe recipe);
   void make(Shape& shape);
-  SharedField refuse(uint32_t key, Entity entity, const char* collider, const std::string& why);
+  FoundShape refuse(uint32_t key, Entity entity, const char* collider, const std::string& why);
   void count();
 
   World* world_ = nullptr;

@@ -27,6 +27,7 @@ std::string GrainSolver::saved() const {
   out.number(drift_time_);
   out.number(lifetime_);
   out.number(least_margin_);
+  out.number(least_margin_way_);
   out.number(listed_awake_);
   out.number(std::min(age_, kOld));
   out.number(static_cast<uint8_t>(search_due_));
@@ -81,6 +82,7 @@ std::string GrainSolver::restoreScalars(ByteReader& in, uint32_t) {
   drift_time_ = in.number<float>();
   lifetime_ = in.number<float>();
   least_margin_ = in.number<float>();
+  least_margin_way_ = in.number<float>();
   listed_awake_ = in.number<uint32_t>();
   age_ = in.number<int32_t>();
   search_due_ = in.number<uint8_t>() != 0;
@@ -89,7 +91,8 @@ std::string GrainSolver::restoreScalars(ByteReader& in, uint32_t) {
   if (!(last_h_ > 0 && last_h_ <= kLongestTick))
     return fmt::format("a substep of {} s; allowed is up to {}", last_h_, kLongestTick);
   if (!finite(drift_) || !(drift_time_ >= 0) || !finite(drift_time_) || age_ < 0 || age_ > kOld ||
-      !(lifetime_ > 0 && lifetime_ < 100) || !(least_margin_ > 0 && least_margin_ < 100))
+      !(lifetime_ > 0 && lifetime_ < 100) || !(least_margin_ > 0 && least_margin_ < 100) ||
+      !(least_margin_way_ >= 0))
     return fmt::format("age {}, margins of {} substeps and {} radii, or a drift that is not allowed",
                        age_, lifetime_, least_margin_);
   if (pairs_.bouncing && !pairs_.rolling) return "contacts that bounce but do not roll";

@@ -65,7 +65,9 @@ void fill(World& world) {
   world.spawn(at({5, 0.15, -3}), CapsuleCollider{.a = vec3(0, 0, -0.4f), .b = vec3(0, 0, 0.4f), .radius = 0.06f},
               LoadSensor{}, nameOf("paddle"));
   world.spawn(at({5.1, 0.2, -3}), RegionSensor{.half_extent = vec3(0.4f, 0.3f, 0.4f)}, nameOf("region"));
-  grainField(world).bounds_min.y = -1;
+  // What the paddle flings far away is lost.
+  grainField(world).bounds_min = {-3, -1, -3};
+  grainField(world).bounds_max = {3, 5, 3};
 }
 
 void act(World& world, int tick) {
