@@ -14,9 +14,24 @@
 #include "modules/deferred/deferred.h"
 #include "modules/grains/grains.h"
 #include "modules/scene/scene.h"
+#include "tests/grains/meshes.h"
 
 namespace scree {
 namespace {
+
+// Meshes are assets: each App has them, no saved world.
+void addMeshes(App& app) {
+  for (const auto& soup : {grains::test::floorSoup(1.5f, 6, [](float, float) { return 0.0f; }),
+                           grains::test::boxSoup(vec3(-0.15f), vec3(0.15f))}) {
+    MeshData mesh;
+    mesh.name = "soup";
+    for (const vec3 corner : soup) {
+      mesh.indices.push_back(static_cast<uint32_t>(mesh.vertices.size()));
+      mesh.vertices.push_back({.position = corner});
+    }
+    app.world().singleton<MeshStore>().add(mesh);
+  }
+}
 
 std::unique_ptr<App> makeApp(int threads = 1) {
   AppOptions options;
@@ -26,6 +41,7 @@ std::unique_ptr<App> makeApp(int threads = 1) {
   addScene(*app);
   addDeferred(*app);
   addGrains(*app);
+  addMeshes(*app);
   return app;
 }
 
@@ -60,6 +76,8 @@ void fill(World& world) {
   block.rolling_friction = 0.1f;
   world.spawn(at({5.2, 0.5, -3.1}), block);
   world.spawn(at({5, -0.25, -3}), BoxCollider{.half_extent = vec3(2, 0.25f, 2)}, LoadSensor{});
+  world.spawn(at({5, 0.005, -3}), MeshInstance{0}, MeshCollider{}, LoadSensor{});
+  world.spawn(at({4.4, 0.1, -3.2}), MeshInstance{1}, HullCollider{}, LoadSensor{});
   world.spawn(at({5, 0, -3}), PlaneCollider{}, LoadSensor{});
   world.spawn(at({5.8, 0.3, -3}), BoxCollider{.half_extent = vec3(0.05f, 0.3f, 1)}, LoadSensor{});
   world.spawn(at({5, 0.15, -3}), CapsuleCollider{.a = vec3(0, 0, -0.4f), .b = vec3(0, 0, 0.4f), .radius = 0.06f},
@@ -216,6 +234,7 @@ TEST(SavedWorld, KeepsItsPartWhereNobodyKnowsGrains) {
   addScene(*late);
   addDeferred(*late);
   addGrains(*late);
+  addMeshes(*late);
   for (int tick = 0; tick < 50; ++tick) {
     app->tick();
     late->tick();
