@@ -44,7 +44,7 @@ bool shareAt(const Force& force, vec3 position, Share& share) {
 
 }  // namespace
 
-vec3 pushOf(std::span<const Force> forces, vec3 position, vec3 velocity, float h) {
+vec3 pushOf(std::span<const Force> forces, vec3 position, vec3 velocity, vec3 gravity_step, float h) {
   vec3 acceleration(0), air(0);
   float drag = 0;
   for (const Force& force : forces) {
@@ -54,8 +54,11 @@ vec3 pushOf(std::span<const Force> forces, vec3 position, vec3 velocity, float h
     air += force.drag * share.air;
     drag += force.drag;
   }
+  if (!(drag > 0)) return h * acceleration;
   const float x = drag * h;
-  return (h * (1 + 0.5f * x) / (1 + x + 0.5f * x * x)) * (acceleration + air - drag * velocity);
+  return ((1 + 0.5f * x) / (1 + x + 0.5f * x * x)) *
+             (gravity_step + h * (acceleration + air - drag * velocity)) -
+         gravity_step;
 }
 
 bool wakes(const Force& force, vec3 position) {

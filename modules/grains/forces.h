@@ -29,10 +29,10 @@ struct Blow {
   float strength = 0;  // N s/m^2
 };
 
-// Change of velocity within h seconds of a grain that is at `position` in the middle of them (a
-// leapfrog step: symplectic, second order) and had `velocity` at their begin. Drag takes
+// Change of velocity within h seconds, beside `gravity_step`, of a grain that is at `position` in the
+// middle of them (a leapfrog step: symplectic, second order) and had `velocity` at their begin. Drag takes
 // 1 / (1 + x + x^2/2), x = drag h, for exp(-x): second order, and stable for every drag.
-vec3 pushOf(std::span<const Force> forces, vec3 position, vec3 velocity, float h);
+vec3 pushOf(std::span<const Force> forces, vec3 position, vec3 velocity, vec3 gravity_step, float h);
 
 // Whether a force would wake a grain that rests there.
 bool wakes(const Force& force, vec3 position);

@@ -15,8 +15,9 @@ namespace {
 constexpr size_t kChunk = 8192;
 
 // What forces add to the velocity in the substep, at whose begin the grain had `velocity_before`.
-vec3 pushOn(const Body& grain, std::span<const Force> forces, float h) {
-  return pushOf(forces, grain.position + 0.5f * h * grain.velocity_before, grain.velocity_before, h);
+vec3 pushOn(const Body& grain, std::span<const Force> forces, vec3 gravity_step, float h) {
+  return pushOf(forces, grain.position + 0.5f * h * grain.velocity_before, grain.velocity_before,
+                gravity_step, h);
 }
 
 // What a fast blade drives against walls takes more passes, and the walls' word comes last.
@@ -140,7 +141,7 @@ void GrainSolver::predict(vec3 gravity_step, float h, std::span<const Force> for
       Body& grain = bodies_.body[k];
       grain.velocity_before = grain.velocity;
       grain.velocity += grain.gravity_scale * gravity_step;
-      if (pushed) grain.velocity += grain.gravity_scale * pushOn(grain, forces, h);
+      if (pushed) grain.velocity += grain.gravity_scale * pushOn(grain, forces, gravity_step, h);
       any = leaves(k) || any;
     }
     chunk_flags_[chunk] = any;
@@ -254,7 +255,7 @@ void GrainSolver::move(vec3 gravity_step, float h, float keep, std::span<const F
       const vec3 change = grain.velocity - grain.velocity_before;
       float most = smooth_square;
       if (pushed) {
-        const vec3 push = pushOn(grain, forces, h);
+        const vec3 push = pushOn(grain, forces, gravity_step, h);
         const float pushes = smooth + 1.01f * std::sqrt(glm::dot(push, push));
         most = pushes * pushes;
       }
