@@ -42,20 +42,6 @@ bool keep(const PosedCollider& end, vec3 local, float distance, Body& grain) {
   return true;
 }
 
-// Takes a grain that something carried back before the other surfaces that it touches.
-void pressBack(const ColliderSlab& slab, uint32_t contact, Body& grain,
-               std::span<const PosedCollider> posed) {
-  const auto of = [&](size_t k) { return slab.contact[k].grain == slab.contact[contact].grain; };
-  size_t first = contact;
-  while (first > 0 && of(first - 1)) --first;
-  for (size_t k = first; k < slab.contact.size() && of(k); ++k) {
-    const ColliderContact& other = slab.contact[k];
-    if (other.guarded || posed[other.collider].moves()) continue;
-    const float gap = glm::dot(other.normal, grain.position) - other.offset - grain.radius;
-    if (gap < 0) grain.position -= other.normal * gap;
-  }
-}
-
 }  // namespace
 
 void keepGuards(ColliderSlab& slab, Body* body, std::span<const PosedCollider> begin,
@@ -70,10 +56,7 @@ void keepGuards(ColliderSlab& slab, Body* body, std::span<const PosedCollider> b
       for (const Guard& guard : slab.guards) {
         const ColliderContact& contact = slab.contact[guard.contact];
         if (begin[contact.collider].moves() != moving) continue;
-        Body& grain = body[contact.grain];
-        if (!keep(end[contact.collider], guard.local, guard.distance, grain)) continue;
-        met = true;
-        if (moving) pressBack(slab, guard.contact, grain, begin);
+        met |= keep(end[contact.collider], guard.local, guard.distance, body[contact.grain]);
       }
     }
   }

@@ -105,6 +105,31 @@ TEST(Mesh, TouchesAreTheLeastDistancesAround) {
   }
 }
 
+// In a pipe that is wider than the sphere, of facets: their edges come nearer only beside the touch.
+TEST(Mesh, EdgesOfAHollowDoNotTouch) {
+  constexpr int kFacets = 90;
+  Soup pipe;
+  const auto around = [](int k, float z) {
+    const double a = 2 * kPi * (k % kFacets) / kFacets;
+    return vec3(std::sin(a), 1 - std::cos(a), z);
+  };
+  for (int k = 0; k < kFacets; ++k)
+    for (int j = -3; j < 3; ++j) {
+      const float z0 = 0.3f * static_cast<float>(j), z1 = z0 + 0.3f;
+      addQuad(pipe, around(k, z0), around(k, z1), around(k + 1, z1), around(k + 1, z0));
+    }
+  const SharedField field = made(makeMesh(pipe, false, 0));
+  SurfacePoint touch[DistanceField::kMostTouches];
+  for (uint64_t k = 0; k < 3000; ++k) {
+    const float a = static_cast<float>(2 * kPi) * unit(87, k, 0), r = 0.05f + 0.2f * unit(87, k, 1);
+    const vec3 p = vec3(0, 1, 0.8f * (unit(87, k, 2) - 0.5f)) + (1 - r) * vec3(std::sin(a), -std::cos(a), 0);
+    const uint32_t n = field->touches(p, 1.6f * r, touch);
+    ASSERT_GE(n, 1u) << k;
+    for (uint32_t t = 0; t < n; ++t)
+      EXPECT_TRUE(touch[t].flat > 0 || touch[t].distance < touch[0].distance + 1e-5f) << k;
+  }
+}
+
 TEST(Hull, HoldsAllPointsAndIsTheSmallest) {
   const auto check = [](const std::vector<vec3>& points, const char* what) {
     std::vector<vec3> corners;
