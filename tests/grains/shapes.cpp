@@ -217,6 +217,23 @@ TEST(Shapes, AWorldWithoutThemMakesNone) {
   EXPECT_EQ(shapesOf(world).bytes, 0u);
 }
 
+// A mesh mirrored by its Transform keeps its outside outside.
+TEST(Shapes, ScaleAppliesAndMayMirror) {
+  auto app = makeApp();
+  World& world = app->world();
+  const uint32_t mesh = addMesh(world, starSoup(4, [](vec3) { return 1.0f; }));
+  Transform transform = at({0, 0, 0});
+  transform.scale = {-1, 0.5f, 1};
+  world.spawn(transform, MeshInstance{mesh}, MeshCollider{.solid = true});
+  transform.position.x = 10;
+  world.spawn(transform, MeshInstance{mesh}, HullCollider{});
+  transform.position.x = 20;
+  world.spawn(transform, MeshInstance{mesh}, SdfCollider{});
+  for (int k = 0; k < 3; ++k) addGrain(world, {10.0f * static_cast<float>(k), 1, 0});
+  run(*app, 90);
+  for (const vec3 p : places(world)) EXPECT_NEAR(p.y, 0.55, 5e-3) << p.x;
+}
+
 // A ring, by its formula.
 struct Ring : DistanceField {
   SurfacePoint nearest(vec3 p) const override {
