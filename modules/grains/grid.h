@@ -23,11 +23,11 @@ inline constexpr int kMostLevels = 10;
 // when dozens overlap in one place, and are then left out until the crowd has spread.
 inline constexpr uint32_t kMostLevelNeighbours = 512;
 
-// Integer cell of a coordinate; clamped to +-2^30, which keeps neighbours neighbours.
-inline int32_t cellOf(float x, double inverse_cell) {
+// Integer cell of a coordinate; clamped to +-2^30, which keeps neighbours neighbours. NaN is -2^30.
+inline int32_t cellOf(double x, double inverse_cell) {
   constexpr double kLimit = 1 << 30;
-  double cell = static_cast<double>(x) * inverse_cell;
-  cell = cell < -kLimit ? -kLimit : cell > kLimit ? kLimit : cell;
+  double cell = x * inverse_cell;
+  cell = cell > -kLimit ? cell < kLimit ? cell : kLimit : -kLimit;
   const int32_t whole = static_cast<int32_t>(cell);
   return whole - (cell < whole);
 }

@@ -120,16 +120,10 @@ void Grid::neighbours(uint32_t slot, std::vector<uint32_t>& found) const {
     const float p[3] = {x_[slot], y_[slot], z_[slot]};
     const uint32_t mask[3] = {other.mask_x, other.mask_y, other.mask_z};
     for (int axis = 0; axis < 3; ++axis) {
-      const auto cell = [&](double at) {
-        constexpr double kLimit = 1 << 30;
-        const double c = std::clamp(at * other.inverse_cell, -kLimit, kLimit);
-        const int32_t whole = static_cast<int32_t>(c);
-        return whole - (c < whole);
-      };
-      low[axis] = cell(p[axis] - reach);
-      high[axis] = cell(p[axis] + reach);
+      low[axis] = cellOf(p[axis] - reach, other.inverse_cell);
+      high[axis] = cellOf(p[axis] + reach, other.inverse_cell);
       // More cells than the table has along this axis: all of them, once.
-      if (static_cast<uint32_t>(high[axis] - low[axis]) >= mask[axis]) {
+      if (static_cast<uint32_t>(high[axis]) - static_cast<uint32_t>(low[axis]) >= mask[axis]) {
         low[axis] = 0;
         high[axis] = static_cast<int32_t>(mask[axis]);
       }

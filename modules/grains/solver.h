@@ -101,8 +101,10 @@ class GrainSolver {
   // `handles`. Error: what is wrong with the bytes.
   static Result<GrainSolver> restored(std::string_view bytes, uint32_t handles);
 
-  // For tests: pairs in the neighbour lists, each once, lower entity index first, sorted.
-  std::vector<std::pair<uint32_t, uint32_t>> neighbourPairs() const;
+  // For tests: pairs in the neighbour lists, each once, lower entity index first, sorted; all, or those
+  // that carry an impulse.
+  enum class PairsThat : uint32_t { AreNear, Carry };
+  std::vector<std::pair<uint32_t, uint32_t>> neighbourPairs(PairsThat which = PairsThat::AreNear) const;
   // Bytes of all arrays: capacity, not use.
   size_t memoryBytes() const;
 

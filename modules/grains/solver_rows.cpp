@@ -229,12 +229,13 @@ void GrainSolver::measure() {
   memory_ = std::max(memory_, memory);
 }
 
-std::vector<std::pair<uint32_t, uint32_t>> GrainSolver::neighbourPairs() const {
+std::vector<std::pair<uint32_t, uint32_t>> GrainSolver::neighbourPairs(PairsThat which) const {
   std::vector<std::pair<uint32_t, uint32_t>> pairs;
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
     const PairSlab& slab = pairs_.slab[s];
     for (uint32_t c = 0; c < slab.count; ++c) {
       if (slab.i[c] >= pairs_.bodyCount()) continue;
+      if (which == PairsThat::Carry && !slab.carriesImpulse(c)) continue;
       const uint32_t a = bodies_.entity[slab.i[c]].index, b = bodies_.entity[slab.j[c]].index;
       pairs.emplace_back(std::min(a, b), std::max(a, b));
     }

@@ -112,8 +112,23 @@ inline void plotLaw(const std::string& name, const std::string& x_name, const st
 struct Packing {
   double fraction = 0;  // of the box that is inside a grain, by points r/6 apart
   double contacts = 0;  // mean of the grains that have at least `least` of them (no rattlers)
+  double rattlers = 0;  // share of the others
 };
-inline Packing packingOf(const Field& field, vec3 low, vec3 high, float radius, int least) {
+using GrainPairs = std::vector<std::pair<uint32_t, uint32_t>>;
+
+// Pairs that are closer than 1e-3 radii.
+inline GrainPairs touchingPairs(const Field& field, float radius) {
+  GrainPairs touching;
+  for (const auto& [a, b] : field.solver.neighbourPairs()) {
+    const Grain &i = field.grain[a], &j = field.grain[b];
+    if (glm::length(i.position - j.position) <= (i.radius + j.radius) + 1e-3f * radius)
+      touching.emplace_back(a, b);
+  }
+  return touching;
+}
+
+inline Packing packingOf(const Field& field, const GrainPairs& pairs, vec3 low, vec3 high, float radius,
+                         int least) {
   const float step = radius / 6;
   const auto cells = [&](float extent) { return static_cast<size_t>(extent / step); };
   const vec3 extent = high - low;
@@ -136,11 +151,9 @@ inline Packing packingOf(const Field& field, vec3 low, vec3 high, float radius, 
   for (const uint8_t f : filled) packing.fraction += f;
   packing.fraction /= static_cast<double>(filled.size());
 
-  // A contact: closer than 1e-3 radii. Rattlers have too few; without them others may have too.
+  // Rattlers have too few contacts; without them others may have too.
   std::vector<std::vector<uint32_t>> touching(field.grain.size());
-  for (const auto& [a, b] : field.solver.neighbourPairs()) {
-    const Grain &i = field.grain[a], &j = field.grain[b];
-    if (glm::length(i.position - j.position) > (i.radius + j.radius) + 1e-3f * radius) continue;
+  for (const auto& [a, b] : pairs) {
     touching[a].push_back(b);
     touching[b].push_back(a);
   }
@@ -160,11 +173,13 @@ inline Packing packingOf(const Field& field, vec3 low, vec3 high, float radius, 
   double grains = 0;
   for (size_t k = 0; k < carries.size(); ++k) {
     const vec3 p = field.grain[k].position;
-    if (!carries[k] || !glm::all(glm::greaterThan(p, low)) || !glm::all(glm::lessThan(p, high)))
-      continue;
+    if (!glm::all(glm::greaterThan(p, low)) || !glm::all(glm::lessThan(p, high))) continue;
+    packing.rattlers += !carries[k];
+    if (!carries[k]) continue;
     packing.contacts += count(k);
     grains += 1;
   }
+  packing.rattlers /= std::max(grains + packing.rattlers, 1.0);
   packing.contacts /= std::max(grains, 1.0);
   return packing;
 }
