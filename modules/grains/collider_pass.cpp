@@ -20,6 +20,11 @@ void setSurface(ColliderContact& contact, const SurfacePoint& near, const Body& 
   contact.surface_spin = collider.spin;
 }
 
+bool drives(const PosedCollider& collider, const Body& grain, float h) {
+  const vec3 way = h * velocityAt(collider, grain.position);
+  return glm::dot(way, way) > grain.radius * grain.radius;
+}
+
 void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCollider> posed, float h) {
   slab.guards.clear();
   slab.driven = false;
@@ -35,7 +40,7 @@ void placeSurfaces(ColliderSlab& slab, const Body* body, std::span<const PosedCo
     if (contact.guarded) {
       slab.guards.push_back({static_cast<uint32_t>(k), (p - collider.position) * collider.world_from_local,
                              near.distance});
-      slab.driven = slab.driven || collider.moves();
+      slab.driven = slab.driven || drives(collider, body[contact.grain], h);
     }
     // A centre inside the shape goes back out on the side where it came in, not on the nearest one.
     if (near.distance < 0 && contact.normal != vec3(0))

@@ -186,7 +186,7 @@ struct ColliderSlab {
   std::vector<ColliderContact> contact;  // by grain, then collider
   std::vector<Bounce> bounces;
   std::vector<Guard> guards;
-  bool driven = false;  // a guarded collider moves
+  bool driven = false;  // a guarded surface goes by more than a grain's radius in the substep
   uint32_t begin = 0, end = 0;  // slots of the slab's grains
   float deepest = 0;
 
@@ -256,6 +256,8 @@ size_t placeField(ColliderSlab& slab, size_t first, const Body* body, const Pose
                   float h);
 void setSurface(ColliderContact& contact, const SurfacePoint& near, const Body& grain,
                 const PosedCollider& collider);
+// Whether a collider's material goes by more than the grain's radius in a substep.
+bool drives(const PosedCollider& collider, const Body& grain, float h);
 void applyKeptColliders(ColliderSlab& slab, Body* body);
 void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollider> posed,
                     const PassSettings& settings);

@@ -60,7 +60,7 @@ size_t placeField(ColliderSlab& slab, size_t first, const Body* body, const Pose
   if (parts > 1 && h * h * glm::dot(u, u) > 0.01f * grain.radius * grain.radius)
     count = addFacesAhead(*collider.field, local, h * (u * collider.world_from_local), grain.radius,
                           std::span(touch, parts), count);
-  slab.driven = slab.driven || collider.moves();
+  slab.driven = slab.driven || drives(collider, grain, h);
   for (uint32_t t = 0; t < count; ++t) touch[t].normal = collider.world_from_local * touch[t].normal;
   if (parts == 1) {
     setSurface(contact[0], touch[0], grain, collider);
