@@ -211,6 +211,20 @@ TEST(Force, WakesWhomItMovesAndNobodyElse) {
   EXPECT_LT(level.sleep(), 3000);
 }
 
+TEST(Force, LetsNobodyItMovesFallAsleep) {
+  // Pressed down by a twentieth of their weight: at rest, and balanced well enough to sleep.
+  Level level;
+  level.heap({0, 0, 0}, {6, 3, 6});
+  const Entity e = level.world.spawn(at({0, 0, 0}), GrainForce{.half_extent = vec3(9), .acceleration = {0, -0.5f, 0},
+                                                               .wake_above = 0.2f});
+  for (int tick = 0; tick < 600; ++tick) {
+    level.run();
+    ASSERT_EQ(level.asleep(), 0u) << tick;
+  }
+  level.world.find<GrainForce>(e)->wake_above = 1;
+  EXPECT_LT(level.sleep(), 3000);
+}
+
 TEST(Force, WakesSleepersThatItReachesLater) {
   // Nobody but the force changes: it moves onto them, then only its strength rises.
   Level level;
