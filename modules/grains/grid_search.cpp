@@ -11,6 +11,7 @@ void Grid::read(const Bodies& bodies) {
   y_.resize(n + kMostLanes);
   z_.resize(n + kMostLanes);
   radius_.resize(n + kMostLanes);
+  reach_.resize(n + kMostLanes);
   for (uint32_t k = 0; k < n; ++k) {
     const vec3 p = bodies.body[k].position;
     x_[k] = p.x;
@@ -30,7 +31,6 @@ void Grid::restore(std::span<const uint32_t> slab_begin, const Bodies& bodies) {
   bucket_begin_.assign(slab_begin.begin(), slab_begin.end());
   level_count_ = 0;
   const uint32_t n = slab_begin.back();
-  reach_.resize(n + kMostLanes);
   read(bodies);  // radii; those awake may have moved since
   for (uint32_t k = 0; k < n; ++k) {
     const Reference& reference = bodies.reference[k];

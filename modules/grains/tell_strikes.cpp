@@ -11,7 +11,7 @@ namespace {
 // Of a collider's key; Entity::kNone if it has gone.
 Entity colliderOf(const GrainsState& state, uint32_t key) {
   for (const Entity entity : state.collider_entities)
-    if (entity.index == key / 4) return entity;
+    if (entity.index == key / kKeysOfEntity) return entity;
   return Entity::kNone;
 }
 
