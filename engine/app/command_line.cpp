@@ -105,7 +105,7 @@ void addCommonFlags(CLI::App& cli, AppOptions& options) {
   cli.add_option("--every", options.capture_every, "Capture every N-th tick")
       ->type_name("N")
       ->check(CLI::Range(uint64_t{1}, kMaxTicks));
-  cli.add_flag("--exr", options.capture_exr, "Also write linear radiance as EXR");
+  cli.add_flag("--exr", options.capture_exr, "Also write linear radiance as EXR (the PNG may then differ by one step)");
   cli.add_option("--truth", options.truth, "Samples a pixel in captured frames (default 1)")
       ->type_name("N")
       ->check(CLI::Range(1, kMaxSamples));

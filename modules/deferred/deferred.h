@@ -38,7 +38,8 @@ inline constexpr std::string_view kGbufferId = "gbuffer.id";
 inline constexpr std::string_view kGbufferDepth = "gbuffer.depth";
 // Depth of what the sun sees first; see shaders/shared/shadow.h.
 inline constexpr std::string_view kShadowMap = "deferred.shadow_map";
-// RGBA16F, linear radiance of this sample; alpha 1.
+// RGBA16F, linear radiance of this sample; alpha 1. Made and written only if a pass that is on reads it
+// beside deferred.present, or Frame::keep() asks for it: whoever only draws into it keeps it.
 inline constexpr std::string_view kRadiance = "deferred.radiance";
 // RGBA32F, mean linear radiance of samples 0 to FrameInput::sample; truth mode only.
 inline constexpr std::string_view kTruth = "deferred.truth";

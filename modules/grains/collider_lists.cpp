@@ -42,6 +42,29 @@ float reachOf(const Bodies& bodies, uint32_t i, const Going& going) {
 
 }  // namespace
 
+void ColliderLists::place(Swept& swept) {
+  swept.bounds = sweptBounds(swept.collider);
+  swept.motion = motionBound(swept.collider);
+  swept.thickness = thicknessOf(swept.collider);
+  swept.begin = poseCollider(swept.collider, 0, 0, 0);
+}
+
+void ColliderLists::bringFields(std::span<const Collider> colliders) {
+  if (!lacking_) return;
+  lacking_ = false;
+  for (Swept& swept : swept_) {
+    if (!lacksField(swept.collider)) continue;
+    const auto now = std::lower_bound(
+        colliders.begin(), colliders.end(), swept.collider.key,
+        [](const Collider& collider, uint32_t key) { return collider.key < key; });
+    if (now == colliders.end() || now->key != swept.collider.key || now->field == nullptr ||
+        now->field_identity == 0 || now->field_identity != swept.collider.field_identity)
+      continue;
+    swept.collider.field = now->field;
+    place(swept);
+  }
+}
+
 // Notes where the colliders go; true if any is not as it was.
 bool ColliderLists::sweep(std::span<const Collider> colliders) {
   bool same_keys = swept_.size() == colliders.size();
@@ -55,11 +78,7 @@ bool ColliderLists::sweep(std::span<const Collider> colliders) {
     any = any || swept.fresh;
     if (!swept.fresh && swept.collider.field == colliders[k].field) continue;
     swept.collider = colliders[k];
-    if (lacksField(swept.collider)) continue;
-    swept.bounds = sweptBounds(colliders[k]);
-    swept.motion = motionBound(colliders[k]);
-    swept.thickness = thicknessOf(colliders[k]);
-    swept.begin = poseCollider(colliders[k], 0, 0, 0);
+    if (!lacksField(swept.collider)) place(swept);
   }
   if (!same_keys)  // indices have moved: nothing can stay in its place
     for (Swept& swept : swept_) swept.fresh = true;

@@ -219,6 +219,8 @@ struct ColliderLists {
   void build(const Grid& grid, const Bodies& bodies, std::span<const Collider> colliders,
              const Going& going, bool searched, std::span<const uint32_t> before,
              std::span<const JoiningWall> joining);
+  // The first tick after restore(): colliders as they were saved get their fields back.
+  void bringFields(std::span<const Collider> colliders);
   // A collider over the tick.
   struct Swept {
     Collider collider;
@@ -242,11 +244,13 @@ struct ColliderLists {
   size_t memoryBytes() const;
 
  private:
+  static void place(Swept& swept);
   void list(uint32_t s, const Bodies& bodies, const Going& going);
   const ColliderContact* formerly(uint32_t slot, uint32_t key, uint32_t slabs) const;
 
   std::vector<Swept> swept_;
   float extra_ = 0;
+  bool lacking_ = false;  // fields, after restore()
 };
 
 // The colliders' surfaces near each contact's grain at the substep's begin, and its guards.

@@ -75,7 +75,7 @@ class Emission {
     GrainEmitter emitter = *state_.world.peek<GrainEmitter>(entity);
     if (!emitter.on) return;
     std::string wrong = fault(emitter);
-    if (wrong.empty()) wrong = faultOf(*transform, fieldOrigin(state_.world));
+    if (wrong.empty()) wrong = faultOf(*transform, fieldOrigin(state_.world), vec3(emitter.mouth));
     if (!wrong.empty()) {
       refuse(state_.refused_emitters, state_.world, "grains.emit", "GrainEmitter", entity, wrong);
       return;

@@ -55,7 +55,8 @@ size_t placeField(ColliderSlab& slab, size_t first, const Body* body, const Pose
   const float reach =
       grain.radius + std::min(0.02f * grain.radius + h * std::sqrt(glm::dot(u, u)), 2 * grain.radius);
   SurfacePoint touch[DistanceField::kMostTouches];
-  uint32_t count = collider.field->touches(local, reach, std::span(touch, parts));
+  uint32_t count = std::min(collider.field->touches(local, reach, std::span(touch, parts)),
+                            static_cast<uint32_t>(parts));
   slab.guards.push_back({static_cast<uint32_t>(first), local, count > 0 ? touch[0].distance : reach});
   if (parts > 1 && h * h * glm::dot(u, u) > 0.01f * grain.radius * grain.radius)
     count = addFacesAhead(*collider.field, local, h * (u * collider.world_from_local), grain.radius,
@@ -63,6 +64,10 @@ size_t placeField(ColliderSlab& slab, size_t first, const Body* body, const Pose
   slab.driven = slab.driven || drives(collider, grain, h);
   for (uint32_t t = 0; t < count; ++t) touch[t].normal = collider.world_from_local * touch[t].normal;
   if (parts == 1) {
+    if (count == 0) {
+      rest(contact[0]);
+      return 1;
+    }
     setSurface(contact[0], touch[0], grain, collider);
     return 1;
   }

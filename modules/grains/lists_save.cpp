@@ -167,6 +167,7 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
     if (!readCollider(in, colliders[k]) || (k > 0 && colliders[k - 1].key >= colliders[k].key))
       return fmt::format("collider {} has no shape or key, or comes before the last one", k);
   sweep(colliders);
+  lacking_ = true;
   extra_ = extra;
   slab_count = slab_begin.empty() ? 0 : static_cast<uint32_t>(slab_begin.size() - 1);
   slab.resize(slab_count);

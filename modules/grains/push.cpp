@@ -18,7 +18,7 @@ void gatherForces(GrainsState& state, const dvec3& origin) {
     const Transform& transform = *world.peek<Transform>(entity);
     const GrainForce& force = *world.peek<GrainForce>(entity);
     std::string wrong = fault(force);
-    if (wrong.empty()) wrong = faultOf(transform, origin);
+    if (wrong.empty()) wrong = faultOf(transform, origin, force.half_extent);
     if (!wrong.empty()) {
       refuse(state.refused_forces, world, "grains.push", "GrainForce", entity, wrong);
       continue;
@@ -52,7 +52,7 @@ void gatherBlows(GrainsState& state, const dvec3& origin) {
     const Transform& transform = *world.peek<Transform>(entity);
     const GrainBlow blow = *world.peek<GrainBlow>(entity);
     std::string wrong = fault(blow);
-    if (wrong.empty()) wrong = faultOf(transform, origin);
+    if (wrong.empty()) wrong = faultOf(transform, origin, vec3(0));
     if (!wrong.empty()) {
       refuse(state.refused_blows, world, "grains.push", "GrainBlow", entity, wrong);
     } else {
@@ -80,7 +80,12 @@ void gather(GrainsState& state) {
 SystemDesc pushSystem(const SharedState& state) {
   return {.name = "grains.push",
           .phase = Phase::Simulate,
-          .needs = [state] { return !state->force_query.empty() || !state->blow_query.empty(); },
+          // Once more after the last of them has gone: without grains, no step has used them up.
+          .needs =
+              [state] {
+                return !state->force_query.empty() || !state->blow_query.empty() ||
+                       !state->forces.empty() || !state->blows.empty();
+              },
           .run = [state](World&) { gather(*state); }};
 }
 

@@ -25,7 +25,7 @@ Region regionOf(const Transform& transform, vec3 half_extent, float radius, cons
   return region;
 }
 
-std::string faultOf(const Transform& transform, const dvec3& origin) {
+std::string faultOf(const Transform& transform, const dvec3& origin, vec3 size) {
   const dvec3 p = transform.position - origin;
   const float q = glm::dot(transform.rotation, transform.rotation);
   const vec3 s = transform.scale;
@@ -34,6 +34,9 @@ std::string faultOf(const Transform& transform, const dvec3& origin) {
   const double farthest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   if (!(farthest <= static_cast<double>(kMostDistance)) || !std::isfinite(p.x + p.y + p.z))
     return "its Transform must be within 1e9 m of the field's origin";
+  const vec3 scale = glm::abs(s), scaled = size * std::max({scale.x, scale.y, scale.z});
+  if (!(std::max({scaled.x, scaled.y, scaled.z}) <= kMostDistance))
+    return "scaled, it must be no larger than 1e9 m";
   return {};
 }
 

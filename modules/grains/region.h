@@ -32,8 +32,8 @@ struct Region {
 
 Region regionOf(const Transform& transform, vec3 half_extent, float radius, const dvec3& origin);
 
-// What is wrong with a Transform; empty: nothing. `origin`: the field's.
-std::string faultOf(const Transform& transform, const dvec3& origin);
+// What is wrong with a Transform; empty: nothing. `origin`: the field's; `size`: what the scale multiplies.
+std::string faultOf(const Transform& transform, const dvec3& origin, vec3 size);
 
 // Says that a component is refused: the first of a system, when more than before are.
 void refuse(Refusals& refusals, const World& world, const char* system, const char* component,

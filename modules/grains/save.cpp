@@ -35,6 +35,13 @@ Result<std::function<void()>> load(const std::weak_ptr<GrainsState>& weak, std::
         state->stepped = stepped;
         state->rows_seen = state->regions_seen = 0;
         state->regions_of_sleepers.clear();
+        // What the world before was pushed by, and told.
+        state->forces.clear();
+        state->blows.clear();
+        state->world.singleton<GrainGrids>().grids.clear();
+        GrainStrikes& told = state->world.singleton<GrainStrikes>();
+        told.list.clear();
+        told.left_out = 0;
       });
 }
 

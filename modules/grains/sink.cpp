@@ -23,7 +23,7 @@ void swallow(GrainsState& state) {
     const Transform& transform = *world.peek<Transform>(entity);
     const GrainSink& sink = *world.peek<GrainSink>(entity);
     std::string wrong = fault(sink);
-    if (wrong.empty()) wrong = faultOf(transform, origin);
+    if (wrong.empty()) wrong = faultOf(transform, origin, glm::max(sink.half_extent, sink.radius));
     if (!wrong.empty()) {
       refuse(state.refused_sinks, world, "grains.sink", "GrainSink", entity, wrong);
       continue;

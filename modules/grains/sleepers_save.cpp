@@ -53,7 +53,7 @@ void Sleepers::save(ByteWriter& out, std::vector<uint32_t>& saved_berth) const {
 
 std::string Sleepers::restore(ByteReader& in, uint32_t handles) {
   const auto count = in.number<uint32_t>();
-  if (!in.has(count, 65)) return fmt::format("{} sleepers reach beyond the end", count);
+  if (!in.has(count, 57)) return fmt::format("{} sleepers reach beyond the end", count);
   sleeper_.reserve(count);
   spot_.reserve(count);
   for (uint32_t k = 0; k < count; ++k) {
@@ -145,13 +145,18 @@ std::string Sleepers::restoreWalls(ByteReader& in) {
   }
   std::vector<uint32_t> keys;
   keys.reserve(count);
-  for (const WallNode& node : wall_.node) keys.push_back(node.key);
+  for (const WallNode& node : wall_.node) keys.push_back(colliderKey(node.key));
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
   for (const uint32_t key : keys) wall_load_.push_back({key, 0, {}});
-  for (const WallNode& node : wall_.node) {
-    WallLoad& load = wallLoad(node.key);
-    ++load.contacts;
+  for (uint32_t k = 0; k < count; ++k) {
+    const WallNode& node = wall_.node[k];
+    const uint32_t key = colliderKey(node.key);
+    WallLoad& load = wallLoad(key);
+    bool again = false;  // the sleeper touches it at another point
+    for (uint32_t other = k; other-- > 0 && owner[other] == owner[k];)
+      again = again || colliderKey(wall_.node[other].key) == key;
+    load.contacts += again ? 0 : 1;
     for (int axis = 0; axis < 3; ++axis)
       load.impulse[static_cast<size_t>(axis)].add(node.impulse[axis]);
   }

@@ -68,6 +68,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
     wake(tables, gravity_step);
     readRows(tables);
   }
+  walls_.bringFields(colliders);
   findDisturbed(colliders, parameters);
   if (!parameters.blows.empty()) {
     wake(tables, gravity_step);

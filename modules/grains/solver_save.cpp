@@ -140,6 +140,8 @@ std::string GrainSolver::restoreBodies(ByteReader& in, uint32_t handles) {
       radius = sleeper.radius;
       material = sleeper.material;
     }
+    if (berth != kGone && !finite(reference.position))
+      return fmt::format("body {}: a place that is not finite", k);
     // A grain awake is given 4 radii at most; of one that has gone nothing is known any more.
     if (berth != kGone && !(reference.margin >= 0 && reference.margin <= 4.001f * radius))
       return fmt::format("body {}: a margin of {} m; allowed are 0 to 4 radii", k, reference.margin);

@@ -162,7 +162,7 @@ void splatAll(GrainsState& state) {
   entities.clear();
   state.grids.each([&](Entity entity, const Transform& transform, const GrainGrid& grid) {
     std::string wrong = fault(grid);
-    if (wrong.empty()) wrong = faultOf(transform, origin);
+    if (wrong.empty()) wrong = faultOf(transform, origin, grid.half_extent);
     const vec3 half = grid.half_extent * glm::abs(transform.scale);
     if (wrong.empty() && !(std::min({half.x, half.y, half.z}) >= 1e-4f))
       wrong = "scaled, its half_extent must be 1e-4 m or more";

@@ -66,7 +66,7 @@ void Strikes::note(const PairLists& pairs, const ColliderLists& walls, const Bod
       const Body& grain = bodies.body[contact.grain];
       Strike strike;
       strike.a = bodies.entity[contact.grain];
-      strike.collider = contact.key;
+      strike.collider = colliderKey(contact.key);
       strike.position = grain.position - grain.radius * contact.normal;
       strike.normal = contact.normal;
       strike.impulse = glm::dot(contact.impulse, contact.normal);

@@ -154,7 +154,7 @@ TEST(Emitter, BadOnesAreRefused) {
     GrainEmitter emitter{.rate = 100, .mouth = 1, .radius = 0.01f};
     Transform transform = at({0, 5, 0});
     change(emitter, transform);
-    EXPECT_FALSE(fault(emitter).empty() && transform.position == dvec3(0, 5, 0));
+    EXPECT_FALSE(fault(emitter).empty() && transform.position == dvec3(0, 5, 0) && transform.scale == vec3(1));
     level.world.spawn(transform, emitter);
     level.run(5);
     EXPECT_EQ(level.count(), 0u) << fault(emitter);
@@ -177,6 +177,10 @@ TEST(Emitter, BadOnesAreRefused) {
   refused([](E& e, T&) { e.due = 1e9; });
   refused([](E&, T& t) { t.position.x = std::numeric_limits<double>::quiet_NaN(); });
   refused([](E&, T& t) { t.position.x = 1e300; });
+  refused([](E& e, T& t) {
+    e.mouth = 1e6f;
+    t.scale = vec3(1e33f);
+  });
   EXPECT_NE(fault(GrainEmitter{.rate = 1e9f}).find("rate = 1e+09; allowed is 0 to 100000"), std::string::npos);
 }
 

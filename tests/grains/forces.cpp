@@ -263,6 +263,9 @@ TEST(Force, BadOnesDoNothing) {
   refused({.acceleration = push, .wake_above = kNan});
   refused({.on = false, .acceleration = push});
   refused({.acceleration = push}, at({std::numeric_limits<double>::infinity(), 0, 0}));
+  Transform huge;
+  huge.scale = vec3(1e33f);
+  refused({.half_extent = vec3(1e6f), .acceleration = push}, huge);
   // The strongest that is allowed: finite, and lost beyond the bounds.
   Level level;
   level.grain({0.1f, 0.2f, 0.3f});
@@ -377,6 +380,20 @@ TEST(Blow, WakesAHeapWithinItsReachOnly) {
   EXPECT_GT(far, 100u);
   level.sleep();
   EXPECT_EQ(level.asleep(), level.count());
+}
+
+// Without a grain no step uses blows and forces up.
+TEST(Blow, StrikesNobodyWhoComesLater) {
+  Level level;
+  level.weightless();
+  impulseInSphere(level.world, {0, 0, 0}, 2, 300);
+  const Entity wind = level.world.spawn(at({0, 0, 0}), GrainForce{.acceleration = vec3(5, 0, 0)});
+  level.run(3);
+  level.world.destroy(wind);
+  level.run(3);
+  const Entity late = level.grain({0.5f, 0, 0}, 0.1f);
+  level.run(2);
+  EXPECT_EQ(level.seen().at(late).velocity, vec3(0));
 }
 
 TEST(Blow, ComponentGoesAndTheEntityStays) {

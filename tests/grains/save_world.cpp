@@ -21,7 +21,7 @@ namespace {
 
 // Meshes are assets: each App has them, no saved world.
 void addMeshes(App& app) {
-  for (const auto& soup : {grains::test::floorSoup(1.5f, 6, [](float, float) { return 0.0f; }),
+  for (const auto& soup : {grains::test::floorSoup(1.5f, 6, [](float x, float) { return 0.4f * std::abs(x); }),
                            grains::test::boxSoup(vec3(-0.15f), vec3(0.15f))}) {
     MeshData mesh;
     mesh.name = "soup";

@@ -324,5 +324,27 @@ TEST(Shapes, GrainsSleepOnAMeshAndWakeWithIt) {
   for (const vec3 p : places(world)) EXPECT_LT(p.y, 0.05);
 }
 
+// In a groove a grain touches one mesh at two points: of one strike, the mesh is told once.
+TEST(Shapes, AStrikeInAGrooveNamesTheMesh) {
+  auto app = makeApp();
+  World& world = app->world();
+  GrainStrikes& strikes = world.singleton<GrainStrikes>();
+  strikes.least_speed = 1;
+  const uint32_t mesh = addMesh(world, floorSoup(1, 2, [](float x, float) { return std::abs(x); }));
+  const Entity groove = world.spawn(at({0, 0, 0}), MeshInstance{mesh}, MeshCollider{});
+  addGrain(world, {0, 1, 0});
+  size_t told = 0;
+  for (int tick = 0; tick < 60; ++tick) {
+    app->tick();
+    for (const GrainStrike& strike : strikes.list) {
+      EXPECT_TRUE(strike.collider);
+      EXPECT_EQ(strike.b, groove);
+      ++told;
+    }
+    EXPECT_LE(strikes.list.size(), 1u);
+  }
+  EXPECT_GE(told, 1u);
+}
+
 }  // namespace
 }  // namespace scree::grains::test
