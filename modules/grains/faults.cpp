@@ -1,20 +1,14 @@
 // What a file, or a program, may say of the module's components.
 #include <fmt/format.h>
 
-#include "engine/ecs/range.h"
-#include "modules/grains/grains.h"
+#include "modules/grains/ranges.h"
 #include "modules/grains/solver.h"
 
 namespace scree {
 namespace {
 
-using grains::kLeastDensity;
-using grains::kLeastRadius;
-using grains::kMostDensity;
-using grains::kMostRadius;
+using namespace grains;
 
-constexpr double kMostFriction = 1000;
-constexpr double kMostSize = 1e9;  // m
 constexpr const char* kOwn = "is made by the simulation itself; spawn grains with a GrainBlock";
 
 template <class Surface>
@@ -26,14 +20,6 @@ std::string surfaceFault(const Surface& s) {
                      {"surface_velocity.y", s.surface_velocity.y, -1e5, 1e5},
                      {"surface_velocity.z", s.surface_velocity.z, -1e5, 1e5}});
 }
-
-std::string sizeFault(vec3 half_extent) {
-  return firstFault({{"half_extent.x", half_extent.x, 0, kMostSize},
-                     {"half_extent.y", half_extent.y, 0, kMostSize},
-                     {"half_extent.z", half_extent.z, 0, kMostSize}});
-}
-
-std::string firstOf(std::string a, const std::string& b) { return a.empty() ? b : a; }
 
 }  // namespace
 

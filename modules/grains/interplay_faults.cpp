@@ -3,33 +3,19 @@
 
 #include <cmath>
 
-#include "engine/ecs/range.h"
-#include "modules/grains/grains.h"
+#include "modules/grains/ranges.h"
 #include "modules/grains/solver.h"
 
 namespace scree {
 namespace {
 
-using grains::kLeastDensity;
-using grains::kLeastRadius;
-using grains::kMostDensity;
-using grains::kMostRadius;
+using namespace grains;
 
-constexpr double kMostFriction = 1000;
-constexpr double kMostSize = 1e9;   // m
 constexpr double kMostRate = 1e5;   // grains/s
 constexpr double kMostAir = 1e4;    // m/s
 constexpr double kMostPush = 1e5;   // m/s^2
 constexpr double kMostDrag = 1e6;   // 1/s
 constexpr double kMostCount = 9e18;
-
-std::string sizeFault(vec3 half_extent, double least) {
-  return firstFault({{"half_extent.x", half_extent.x, least, kMostSize},
-                     {"half_extent.y", half_extent.y, least, kMostSize},
-                     {"half_extent.z", half_extent.z, least, kMostSize}});
-}
-
-std::string firstOf(std::string a, const std::string& b) { return a.empty() ? b : a; }
 
 }  // namespace
 
