@@ -7,6 +7,8 @@
 #ifndef GLM_FORCE_RADIANS
 #define GLM_FORCE_RADIANS
 #endif
+#include <cmath>
+
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -25,4 +27,7 @@ using glm::uvec4;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
+
+inline bool finite(float x) { return std::isfinite(x); }
+inline bool finite(vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 }  // namespace scree

@@ -10,10 +10,6 @@
 namespace scree {
 namespace {
 
-bool finite(const vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 // A scene may hold any number of lights that do not shine.
 constexpr size_t kMostLightWarnings = 4;
 

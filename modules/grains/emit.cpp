@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/app/app.h"
 #include "engine/core/random.h"
@@ -142,7 +143,7 @@ class Emission {
     eachGrainNear(state_, low - largest, high + largest,
                   [&](const SeenGrain& grain) { crowd.add(grain.position, grain.radius); });
     for (const GrainSpec& spec : state_.emitted) crowd.add(spec.grain.position, spec.grain.radius);
-    gatherColliders(state_, origin, dt_);
+    if (!std::exchange(gathered_, true)) gatherColliders(state_, origin, dt_);
     std::vector<PosedCollider>& walls = state_.walls;
     walls.clear();
     for (const Collider& collider : state_.colliders) {
@@ -174,6 +175,7 @@ class Emission {
 
   GrainsState& state_;
   float dt_;
+  bool gathered_ = false;  // the colliders, for all emitters of the tick
 };
 
 void emitAll(GrainsState& state) {

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "modules/grains/ranges.h"
-#include "modules/grains/solver.h"
 
 namespace scree {
 namespace {
@@ -47,20 +46,7 @@ std::string fault(const GrainBlock& b) {
     total *= n;
   }
   const float largest = b.radius * (1 + b.radius_jitter);
-  std::string wrong =
-      firstFault({{"the product of count", total, 0, kMaxGrains},
-                  {"radius_jitter", b.radius_jitter, 0, 0.9f},
-                  {"the smallest radius", b.radius * (1 - b.radius_jitter), kLeastRadius, kMostRadius},
-                  {"the largest radius", largest, kLeastRadius, kMostRadius},
-                  {"density", b.density, kLeastDensity, kMostDensity},
-                  {"friction", b.friction, 0, kMostFriction},
-                  {"rolling_friction", b.rolling_friction, 0, kMostFriction},
-                  {"restitution", b.restitution, 0, 1},
-                  {"color.x", b.color.x, 0, 1},
-                  {"color.y", b.color.y, 0, 1},
-                  {"color.z", b.color.z, 0, 1},
-                  {"roughness", b.roughness, 0, 1},
-                  {"color_jitter", b.color_jitter, 0, 1}});
+  std::string wrong = firstOf(firstFault({{"the product of count", total, 0, kMaxGrains}}), kindFault(b));
   if (wrong.empty() && b.spacing != 0)  // 0: chosen by the size
     wrong = firstFault({{"spacing", b.spacing, 2.0 * largest, 1e6}});
   return wrong;

@@ -10,8 +10,6 @@
 namespace scree::grains {
 namespace {
 
-bool finite(vec3 v) { return std::isfinite(v.x + v.y + v.z); }
-
 // Each entity may carry one collider of each kind.
 enum class Kind : uint32_t { Plane, Box, Capsule, Sphere, Hull, Mesh, Sdf };
 static_assert(static_cast<uint32_t>(Kind::Sdf) < kKeysOfEntity);
@@ -20,7 +18,7 @@ uint32_t keyOf(Entity entity, Kind kind) { return firstKeyOf(entity) + static_ca
 bool placeable(const Transform& transform) {
   const glm::dvec3& p = transform.position;
   const float q = glm::dot(transform.rotation, transform.rotation);
-  return std::isfinite(p.x + p.y + p.z) && q > 0.25f && q < 4 && finite(transform.scale);
+  return std::isfinite(p.x + p.y + p.z) && q > 0.25f && q < 4 && std::isfinite(transform.scale.x + transform.scale.y + transform.scale.z);
 }
 
 template <class Component>

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "modules/grains/ranges.h"
-#include "modules/grains/solver.h"
 
 namespace scree {
 namespace {
@@ -20,25 +19,14 @@ constexpr double kMostCount = 9e18;
 }  // namespace
 
 std::string fault(const GrainEmitter& e) {
-  return firstFault({{"rate", e.rate, 0, kMostRate},
-                     {"mouth", e.mouth, 0, 1e6},
-                     {"velocity.x", e.velocity.x, -kMostAir, kMostAir},
-                     {"velocity.y", e.velocity.y, -kMostAir, kMostAir},
-                     {"velocity.z", e.velocity.z, -kMostAir, kMostAir},
-                     {"spread", e.spread, 0, kMostAir},
-                     {"radius_jitter", e.radius_jitter, 0, 0.9f},
-                     {"the smallest radius", e.radius * (1 - e.radius_jitter), kLeastRadius, kMostRadius},
-                     {"the largest radius", e.radius * (1 + e.radius_jitter), kLeastRadius, kMostRadius},
-                     {"density", e.density, kLeastDensity, kMostDensity},
-                     {"friction", e.friction, 0, kMostFriction},
-                     {"rolling_friction", e.rolling_friction, 0, kMostFriction},
-                     {"restitution", e.restitution, 0, 1},
-                     {"color.x", e.color.x, 0, 1},
-                     {"color.y", e.color.y, 0, 1},
-                     {"color.z", e.color.z, 0, 1},
-                     {"color_jitter", e.color_jitter, 0, 1},
-                     {"roughness", e.roughness, 0, 1},
-                     {"due", e.due, 0, 1}});
+  return firstOf(firstFault({{"rate", e.rate, 0, kMostRate},
+                             {"mouth", e.mouth, 0, 1e6},
+                             {"velocity.x", e.velocity.x, -kMostAir, kMostAir},
+                             {"velocity.y", e.velocity.y, -kMostAir, kMostAir},
+                             {"velocity.z", e.velocity.z, -kMostAir, kMostAir},
+                             {"spread", e.spread, 0, kMostAir},
+                             {"due", e.due, 0, 1}}),
+                 kindFault(e));
 }
 
 std::string fault(const GrainSink& sink) {

@@ -11,7 +11,6 @@
 // checked, so that no bytes make the solver read beyond its arrays.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 
 #include "engine/core/bytes.h"
@@ -20,8 +19,5 @@
 namespace scree::grains {
 
 inline constexpr uint32_t kSavedVersion = 1;
-
-inline bool finite(float x) { return std::isfinite(x); }
-inline bool finite(vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 }  // namespace scree::grains

@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "engine/core/parallel.h"
-#include "modules/grains/saved.h"
 #include "modules/grains/solver.h"
 
 namespace scree::grains {

@@ -14,23 +14,13 @@
 #include <string>
 #include <vector>
 
-#include "engine/app/app.h"
-#include "engine/core/parallel.h"
 #include "engine/core/random.h"
-#include "modules/deferred/deferred.h"
-#include "modules/grains/grains.h"
-#include "modules/scene/scene.h"
+#include "tests/grains/app.h"
 
 namespace scree::grains::test {
 
 inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 inline constexpr float kInf = std::numeric_limits<float>::infinity();
-
-inline Transform at(dvec3 position) {
-  Transform transform;
-  transform.position = position;
-  return transform;
-}
 
 struct Level {
   explicit Level(int threads = 1) : app(options(threads)), world(app.world()) {

@@ -8,47 +8,26 @@
 #include <random>
 #include <vector>
 
-#include "engine/app/app.h"
 #include "engine/core/hash.h"
-#include "engine/core/parallel.h"
-#include "modules/deferred/deferred.h"
-#include "modules/grains/grains.h"
-#include "modules/scene/scene.h"
+#include "tests/grains/app.h"
 #include "tests/grains/meshes.h"
 
 namespace scree {
 namespace {
 
+using grains::test::at;
+
 // Meshes are assets: each App has them, no saved world.
 void addMeshes(App& app) {
-  for (const auto& soup : {grains::test::floorSoup(1.5f, 6, [](float x, float) { return 0.4f * std::abs(x); }),
-                           grains::test::boxSoup(vec3(-0.15f), vec3(0.15f))}) {
-    MeshData mesh;
-    mesh.name = "soup";
-    for (const vec3 corner : soup) {
-      mesh.indices.push_back(static_cast<uint32_t>(mesh.vertices.size()));
-      mesh.vertices.push_back({.position = corner});
-    }
-    app.world().singleton<MeshStore>().add(mesh);
-  }
+  using namespace grains::test;
+  addMesh(app.world(), floorSoup(1.5f, 6, [](float x, float) { return 0.4f * std::abs(x); }));
+  addMesh(app.world(), boxSoup(vec3(-0.15f), vec3(0.15f)));
 }
 
 std::unique_ptr<App> makeApp(int threads = 1) {
-  AppOptions options;
-  options.threads = threads;
-  auto app = std::make_unique<App>(options);
-  setThreadCount(threads);
-  addScene(*app);
-  addDeferred(*app);
-  addGrains(*app);
+  auto app = grains::test::makeApp(threads);
   addMeshes(*app);
   return app;
-}
-
-Transform at(dvec3 position) {
-  Transform transform;
-  transform.position = position;
-  return transform;
 }
 
 // Who moves is found by its name, so that a loaded world is driven like the one that was saved.

@@ -1,13 +1,8 @@
 // Sphere, hull, mesh and SDF colliders in a World: from files, refused, shared, moved, far away, asleep on.
 #include <gtest/gtest.h>
 
-#include <memory>
-
-#include "engine/app/app.h"
-#include "engine/core/parallel.h"
-#include "modules/deferred/deferred.h"
-#include "modules/scene/scene.h"
 #include "tests/assets/gltf_builder.h"
+#include "tests/grains/app.h"
 #include "tests/grains/meshes.h"
 
 namespace scree::grains::test {
@@ -16,33 +11,6 @@ namespace {
 using scree::test::GltfBuilder;
 using scree::test::json;
 using scree::test::TemporaryFolder;
-
-std::unique_ptr<App> makeApp(int threads = 1) {
-  AppOptions options;
-  options.threads = threads;
-  auto app = std::make_unique<App>(options);
-  setThreadCount(threads);
-  addScene(*app);
-  addDeferred(*app);
-  addGrains(*app);
-  return app;
-}
-
-Transform at(dvec3 position) {
-  Transform transform;
-  transform.position = position;
-  return transform;
-}
-
-uint32_t addMesh(World& world, const Soup& soup, std::string name = "mesh") {
-  MeshData mesh;
-  mesh.name = std::move(name);
-  for (const vec3 corner : soup) {
-    mesh.indices.push_back(static_cast<uint32_t>(mesh.vertices.size()));
-    mesh.vertices.push_back({.position = corner});
-  }
-  return world.singleton<MeshStore>().add(mesh);
-}
 
 void addGrain(World& world, vec3 position, float radius = 0.05f, vec3 velocity = vec3(0)) {
   GrainSpec spec;

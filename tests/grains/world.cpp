@@ -10,32 +10,14 @@
 #include <memory>
 #include <sstream>
 
-#include "engine/app/app.h"
-#include "engine/core/parallel.h"
-#include "modules/deferred/deferred.h"
 #include "modules/grains/bodies.h"
-#include "modules/grains/grains.h"
-#include "modules/scene/scene.h"
+#include "tests/grains/app.h"
 
 namespace scree {
 namespace {
 
-std::unique_ptr<App> makeApp(int threads = 1) {
-  AppOptions options;
-  options.threads = threads;
-  auto app = std::make_unique<App>(options);
-  setThreadCount(threads);
-  addScene(*app);
-  addDeferred(*app);
-  addGrains(*app);
-  return app;
-}
-
-Transform at(dvec3 position) {
-  Transform transform;
-  transform.position = position;
-  return transform;
-}
+using grains::test::at;
+using grains::test::makeApp;
 
 uint64_t runsOf(const App& app, std::string_view name) {
   for (const SystemReport& report : const_cast<App&>(app).schedule().report())
