@@ -1,23 +1,17 @@
-// What the tests of granular laws share: fits, packing measures, and a plot of what was measured.
+// What the tests of granular laws share: fits and packing measures; plots are in law_plot.h.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
-#include "engine/assets/image.h"
 #include "tests/grains/field.h"
+#include "tests/grains/law_plot.h"
 
 namespace scree::grains::test {
-
-struct Point {
-  double x, y;
-};
 
 struct Fit {
   double slope = 0, offset = 0, r2 = 0;
@@ -59,53 +53,6 @@ inline void removeRow(Field& field, size_t k) {
   take(field.orientation);
   take(field.previous);
   take(field.material);
-}
-
-// Draws measured points as squares over the law's line, and writes the numbers beside them:
-// laws/NAME.png and laws/NAME.csv in the build folder.
-inline void plotLaw(const std::string& name, const std::string& x_name, const std::string& y_name,
-                    const std::vector<Point>& measured, const std::vector<Point>& law) {
-  constexpr int kWidth = 640, kHeight = 400, kEdge = 30;
-  double x0 = 1e300, x1 = -1e300, y0 = 0, y1 = -1e300;
-  for (const auto* points : {&measured, &law})
-    for (const Point& p : *points) {
-      x0 = std::min(x0, p.x);
-      x1 = std::max(x1, p.x);
-      y0 = std::min(y0, p.y);
-      y1 = std::max(y1, p.y);
-    }
-  std::vector<uint8_t> rgb(size_t{kWidth} * kHeight * 3, 255);
-  const auto put = [&](double x, double y, int half, vec3 color) {
-    for (int j = -half; j <= half; ++j)
-      for (int i = -half; i <= half; ++i) {
-        const int px = static_cast<int>(x) + i, py = static_cast<int>(y) + j;
-        if (px < 0 || py < 0 || px >= kWidth || py >= kHeight) continue;
-        for (int c = 0; c < 3; ++c)
-          rgb[(static_cast<size_t>(py) * kWidth + static_cast<size_t>(px)) * 3 +
-              static_cast<size_t>(c)] = static_cast<uint8_t>(255 * color[c]);
-      }
-  };
-  const auto atX = [&](double x) { return kEdge + (x - x0) / (x1 - x0) * (kWidth - 2 * kEdge); };
-  const auto atY = [&](double y) {
-    return kHeight - kEdge - (y - y0) / (y1 - y0) * (kHeight - 2 * kEdge);
-  };
-  for (int x = kEdge; x < kWidth - kEdge; ++x) put(x, kHeight - kEdge, 0, vec3(0));
-  for (int y = kEdge; y < kHeight - kEdge; ++y) put(kEdge, y, 0, vec3(0));
-  for (size_t k = 0; k + 1 < law.size(); ++k)
-    for (int s = 0; s <= 1000; ++s) {
-      const double t = s / 1000.0;
-      put(atX(law[k].x + t * (law[k + 1].x - law[k].x)),
-          atY(law[k].y + t * (law[k + 1].y - law[k].y)), 1, {0.12f, 0.47f, 0.71f});
-    }
-  for (const Point& p : measured) put(atX(p.x), atY(p.y), 4, {0.84f, 0.15f, 0.16f});
-  const std::filesystem::path folder = std::filesystem::path(SCREE_BINARY_DIR) / "laws";
-  std::filesystem::create_directories(folder);
-  const Status written = writePng(folder / (name + ".png"), kWidth, kHeight, 3, rgb);
-  EXPECT_TRUE(written.ok());
-  std::ofstream csv(folder / (name + ".csv"));
-  csv << x_name << ',' << y_name << ",kind\n";
-  for (const Point& p : measured) csv << p.x << ',' << p.y << ",measured\n";
-  for (const Point& p : law) csv << p.x << ',' << p.y << ",law\n";
 }
 
 // Of the grains whose centre is inside the box [low, high]; all grains count as neighbours.

@@ -137,7 +137,13 @@ TEST(Packing, GetsLooserWithFriction) {
       EXPECT_LT(measured.back().y, measured[measured.size() - 2].y) << friction;
     }
   }
-  plotLaw("packing", "friction", "volume fraction", measured, {{0, 0.639}, {0.3, 0.593}});
+  plotLaw({.name = "packing",
+           .title = "Random packing by friction (Agnolin and Roux), 4 x 3",
+           .x = "friction",
+           .y = "volume fraction",
+           .measured = measured,
+           .law = {{0, 0.639}, {0.3, 0.593}},
+           .share = 0.01});
 }
 
 // The load of a hundred reaches the floor through a hundred contacts, and a pass carries a change
@@ -164,7 +170,12 @@ TEST(Column, OfAHundredStands) {
   EXPECT_LT(most, 0.01);
   EXPECT_NEAR(field.grain.back().position.y, 9.95, 0.05);
   EXPECT_NEAR(glm::length(vec2(field.grain.back().position.x, field.grain.back().position.z)), 0, 1e-3);
-  plotLaw("column", "s", "worst overlap / radius", worst, {{0, 0.01}, {20, 0.01}});
+  plotLaw({.name = "column",
+           .title = "Column of 100 spheres; line: what is allowed",
+           .x = "time, s",
+           .y = "worst overlap, radii",
+           .measured = worst,
+           .law = {{0, 0.01}, {20, 0.01}}});
 }
 
 }  // namespace

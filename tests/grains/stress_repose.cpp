@@ -112,7 +112,13 @@ TEST(Repose, FollowsFriction) {
     law.push_back({static_cast<double>(friction), published(friction)});
     EXPECT_NEAR(angle, published(friction), 2) << "friction " << friction;
   }
-  plotLaw("repose", "friction", "degrees", measured, law);
+  plotLaw({.name = "repose",
+           .title = "Angle of repose (Chialvo, Sun and Sundaresan)",
+           .x = "friction",
+           .y = "slope, degrees",
+           .measured = measured,
+           .law = law,
+           .tolerance = 2});
 }
 
 // Substeps of 1/120 s, which a tick of 1/30 s has by default, are too long for the last degree: see
@@ -128,7 +134,13 @@ TEST(Repose, DoesNotDependOnTheTick) {
   }
   EXPECT_LT(highest - lowest, 1);
   for (const Point& p : measured) law.push_back({p.x, measured.back().y});
-  plotLaw("repose_tick", "ticks a second", "degrees", measured, law);
+  plotLaw({.name = "repose_tick",
+           .title = "Angle of repose by the tick, friction 0.5",
+           .x = "ticks a second",
+           .y = "slope, degrees (line: that of the shortest tick)",
+           .measured = measured,
+           .law = law,
+           .tolerance = 1});
 }
 
 TEST(Repose, OfLongSubstepsIsNearThatOfShort) {

@@ -66,7 +66,15 @@ TEST(Janssen, FloorLoadSaturates) {
     }
   std::printf("Janssen: poured %.0f kg, floor carries %.1f kg, saturation %.1f kg, R^2 %.4f\n",
               measured.back().x, measured.back().y, best, best_r2);
-  plotLaw("janssen", "kg poured", "kg on the floor", measured, lawOf(best));
+  std::vector<Point> curve;
+  for (double mass = 0; mass <= measured.back().x; mass += measured.back().x / 200)
+    curve.push_back({mass, best * (1 - std::exp(-mass / best))});
+  plotLaw({.name = "janssen",
+           .title = "Load on a silo's floor (Janssen)",
+           .x = "poured, kg",
+           .y = "on the floor, kg",
+           .measured = measured,
+           .law = curve});
   EXPECT_GT(best_r2, 0.98);
   EXPECT_LT(measured.back().y, 0.6 * measured.back().x);
 }
@@ -132,7 +140,12 @@ TEST(Beverloo, FlowGrowsAsTheOpeningToTheFivePerTwo) {
   for (const Point& p : flow)
     law.push_back({p.x, std::exp(power.offset) * std::pow(p.x - k * d, power.slope)});
   std::printf("Beverloo: k %.3f, exponent %.3f, R^2 of the line %.4f\n", k, power.slope, line.r2);
-  plotLaw("beverloo", "opening, m", "grains a second", flow, law);
+  plotLaw({.name = "beverloo",
+           .title = "Flow through an opening (Beverloo): (D - k d)^2.5",
+           .x = "opening D, m",
+           .y = "grains a second",
+           .measured = flow,
+           .law = law});
   EXPECT_NEAR(power.slope, 2.5, 0.15);
   EXPECT_GT(line.r2, 0.99);
   EXPECT_GT(k, 0.5);  // published: 1 to 3, 1.4 on the average

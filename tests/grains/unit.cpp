@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "tests/grains/field.h"
+#include "tests/grains/law_plot.h"
 
 namespace scree::grains::test {
 namespace {
@@ -22,11 +23,12 @@ TEST(OneGrain, FallsOnAParabola) {
 
 TEST(OneGrain, FallTimeIsExact) {
   // From rest at height H above the floor: at sqrt(2 H / g) it must be there, to 1e-4 s.
-  for (const int passes : {1, 4}) {
+  std::vector<Point> measured, law;
+  for (const auto& [passes, height] :
+       {std::pair{1, 5.0}, {4, 0.5}, {4, 1.0}, {4, 2.0}, {4, 5.0}, {4, 10.0}}) {
     Field field;
     field.parameters.passes = passes;
     field.addPlane({0, 0, 0}, quat(1, 0, 0, 0), 0.5f);
-    const double height = 5;
     field.add({0, static_cast<float>(height) + 0.05f, 0}, 0.05f);
     const double due = std::sqrt(2 * height / kG);
     const int before = static_cast<int>(due * 60);
@@ -35,13 +37,25 @@ TEST(OneGrain, FallTimeIsExact) {
     const double speed = -field.velocity[0].linear.y;
     const double rest = (std::sqrt(speed * speed + 2 * kG * left) - speed) / kG;
     EXPECT_NEAR(before / 60.0 + rest, due, 1e-4);
+    if (passes == 4) {
+      measured.push_back({height, before / 60.0 + rest});
+    }
     field.step(60);
     EXPECT_NEAR(field.grain[0].position.y, 0.05, 1e-4);
     EXPECT_LT(std::abs(field.velocity[0].linear.y), 1e-3);
   }
+  for (double height = 0.2; height <= 10.2; height += 0.1) law.push_back({height, std::sqrt(2 * height / kG)});
+  plotLaw({.name = "fall",
+           .title = "Free fall",
+           .x = "height, m",
+           .y = "time of the fall, s",
+           .measured = measured,
+           .law = law,
+           .tolerance = 1e-4});
 }
 
 TEST(OneGrain, BouncesToTheSquareOfTheRestitution) {
+  std::vector<Point> measured, law;
   for (const float e : {0.3f, 0.5f, 0.8f, 1.0f}) {
     Field field;
     field.addPlane({0, 0, 0}, quat(1, 0, 0, 0), 0, e);
@@ -61,7 +75,16 @@ TEST(OneGrain, BouncesToTheSquareOfTheRestitution) {
     }
     const double want = static_cast<double>(e) * static_cast<double>(e) * height;
     EXPECT_NEAR(peak / want, 1, 0.005) << "restitution " << e;
+    measured.push_back({static_cast<double>(e), peak / height});
   }
+  for (double e = 0; e <= 1; e += 0.01) law.push_back({e, e * e});
+  plotLaw({.name = "bounce",
+           .title = "Height of the first bounce",
+           .x = "restitution",
+           .y = "share of the height of the fall",
+           .measured = measured,
+           .law = law,
+           .share = 0.005});
 }
 
 TEST(OneGrain, SlidingStopsAfterTheRightDistance) {
@@ -86,6 +109,10 @@ TEST(OneGrain, SlidingStopsAfterTheRightDistance) {
 
 TEST(OneGrain, RollsAndSlipsDownAnIncline) {
   const double mu = 0.5;
+  std::vector<Point> measured, law;
+  const auto lawOf = [&](double a) {
+    return std::tan(a) <= 3.5 * mu ? 5.0 / 7 * kG * std::sin(a) : kG * (std::sin(a) - mu * std::cos(a));
+  };
   for (const double degrees : {10.0, 20.0, 30.0, 40.0, 50.0, 58.0, 62.0, 65.0, 70.0, 75.0}) {
     const double a = degrees * kPi / 180;
     Field field;
@@ -95,13 +122,20 @@ TEST(OneGrain, RollsAndSlipsDownAnIncline) {
     field.addPlane({0, 0, 0}, quat(1, 0, 0, 0), 0.5f);
     field.add({0, 0.05f, 0}, 0.05f, {1000, 0.5f, 0, 0});
     field.step(60);
-    const double acceleration = std::tan(a) <= 3.5 * mu
-                                    ? 5.0 / 7 * kG * std::sin(a)
-                                    : kG * (std::sin(a) - mu * std::cos(a));
+    const double acceleration = lawOf(a);
+    measured.push_back({degrees, static_cast<double>(field.velocity[0].linear.x)});
     EXPECT_NEAR(field.velocity[0].linear.x / acceleration, 1, 1e-3) << degrees << " degrees";
     EXPECT_NEAR(field.grain[0].position.x / (0.5 * acceleration), 1, 2e-3) << degrees;
     EXPECT_NEAR(field.grain[0].position.y, 0.05, 2e-4) << degrees;
   }
+  for (double degrees = 0; degrees <= 80; degrees += 0.5) law.push_back({degrees, lawOf(degrees * kPi / 180)});
+  plotLaw({.name = "incline",
+           .title = "A sphere rolls, then slips, down an incline; friction 0.5",
+           .x = "incline, degrees",
+           .y = "acceleration, m/s^2",
+           .measured = measured,
+           .law = law,
+           .share = 1e-3});
 }
 
 TEST(OneGrain, TiltedPlaneIsTheSameIncline) {
@@ -118,16 +152,28 @@ TEST(OneGrain, TiltedPlaneIsTheSameIncline) {
 
 TEST(OneGrain, RollingFrictionStopsItWhereItShould) {
   // Pure rolling at v: the torque mu_r r m g slows it by a = mu_r g / (1 + 2/5).
-  Field field;
-  const double mu_r = 0.02, v = 1;
-  field.addPlane({0, 0, 0}, quat(1, 0, 0, 0), 0.8f);
-  field.add({0, 0.05f, 0}, 0.05f, {1000, 0.8f, static_cast<float>(mu_r), 0},
-            {static_cast<float>(v), 0, 0});
-  field.spin[0].angular = {0, 0, static_cast<float>(-v / 0.05)};
-  field.step(900);
-  const double way = v * v / (2 * mu_r * kG / 1.4);
-  EXPECT_NEAR(field.grain[0].position.x / way, 1, 2e-3);
-  EXPECT_LT(std::abs(field.velocity[0].linear.x), 1e-4);
+  std::vector<Point> measured, law;
+  const double v = 1;
+  for (const double mu_r : {0.02, 0.04, 0.08, 0.12}) {
+    Field field;
+    field.addPlane({0, 0, 0}, quat(1, 0, 0, 0), 0.8f);
+    field.add({0, 0.05f, 0}, 0.05f, {1000, 0.8f, static_cast<float>(mu_r), 0},
+              {static_cast<float>(v), 0, 0});
+    field.spin[0].angular = {0, 0, static_cast<float>(-v / 0.05)};
+    field.step(900);
+    const double way = v * v / (2 * mu_r * kG / 1.4);
+    EXPECT_NEAR(field.grain[0].position.x / way, 1, 2e-3) << mu_r;
+    EXPECT_LT(std::abs(field.velocity[0].linear.x), 1e-4) << mu_r;
+    measured.push_back({mu_r, static_cast<double>(field.grain[0].position.x)});
+  }
+  for (double mu_r = 0.018; mu_r < 0.13; mu_r += 0.001) law.push_back({mu_r, v * v / (2 * mu_r * kG / 1.4)});
+  plotLaw({.name = "rolling",
+           .title = "Rolling friction stops a sphere that rolls at 1 m/s",
+           .x = "rolling friction",
+           .y = "way, m",
+           .measured = measured,
+           .law = law,
+           .share = 2e-3});
 }
 
 TEST(OneGrain, StaysOnASlopeThatRollingFrictionHolds) {
