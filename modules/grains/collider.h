@@ -32,6 +32,7 @@ struct Collider {
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;        // N/m
   vec3 surface_velocity{0};  // local, m/s
   bool sensed = false;       // collect load: impulse and contacts
   // Out, of the tick: impulse of the grains on the collider, N s, and contacts that press at its

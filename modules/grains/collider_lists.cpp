@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "modules/grains/cohesion.h"
 #include "modules/grains/contacts.h"
 
 namespace scree::grains {
@@ -23,7 +24,7 @@ bool alike(const Collider& a, const Collider& b) {
          a.half_extent == b.half_extent && a.a == b.a && a.b == b.b && a.radius == b.radius &&
          (a.field == b.field || (a.field_identity != 0 && a.field_identity == b.field_identity)) &&
          a.friction == b.friction && a.rolling_friction == b.rolling_friction &&
-         a.restitution == b.restitution && a.surface_velocity == b.surface_velocity;
+         a.restitution == b.restitution && a.cohesion == b.cohesion && a.surface_velocity == b.surface_velocity;
 }
 
 // As a saved world tells of it: the first tick brings the field.
@@ -195,6 +196,7 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going) {
       contact.rolling_friction =
           std::max(bodies.material[i].rolling_friction, collider.rolling_friction);
       contact.restitution = std::max(bodies.material[i].restitution, collider.restitution);
+      contact.pull = pullOf(bodies.material[i].cohesion, collider.cohesion, radius);
       contact.guarded = collider.shape == Shape::Field || swept.thickness < 0.5f * radius ||
                         swept.motion * going.share > 0.5f * radius;
       if (collider.shape != Shape::Field) {

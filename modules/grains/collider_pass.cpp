@@ -4,6 +4,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "modules/grains/cohesion.h"
 #include "modules/grains/contacts.h"
 
 namespace scree::grains {
@@ -73,13 +74,20 @@ namespace {
 struct ImpactTime {
   float speed, shift;
 };
-ImpactTime bounceOff(float gap, float approach, float gravity_step, float restitution, float h) {
+ImpactTime bounceOff(const ColliderContact& contact, float radius, float gap, float approach,
+                     float gravity_step, float h) {
   const float before = approach - gravity_step;  // at the substep's begin; towards the surface
   const float g = gravity_step / h;
   const float root = std::sqrt(std::max(0.0f, before * before - 2 * g * gap));
   const float t = gap > 0 ? std::clamp(2 * gap / std::max(root - before, 1e-30f), 0.0f, h) : 0.0f;
   const float impact = before + g * t;
   const float rest = h - t;
+  float restitution = contact.restitution;
+  if (contact.pull > 0 && impact < 0) {
+    const float left = heldRebound(-restitution * impact, contact.mass, contact.pull, kReach * radius, rest);
+    if (!(left > 0)) return {0, 0};
+    restitution = -left / impact;
+  }
   const float speed = -restitution * impact + g * rest;
   const float shift = -std::max(gap, 0.0f) - restitution * impact * rest + 0.5f * g * rest * rest -
                       h * speed;
@@ -103,10 +111,21 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
     if (settings.tolerated > 0 && un - asked > -settings.tolerated) continue;
     float next_n = std::max(0.0f, old_n - mass * (un - asked));
     const bool kept = contact.impulse != vec3(0);
-    if (!(next_n > 0) && !kept && !(gap < 0)) continue;
+    Grip grip;
+    bool holds = false;
+    if (contact.pull > 0 && !(contact.approach > 0)) {
+      const float left = kReach * grain.radius - std::max(gap, 0.0f), stops = mass * un - old_n;
+      holds = left > 0 && (kept || gap <= 0 || stops > 0);
+      if (holds) {
+        const float before = glm::dot(grain.velocity_before - contact.surface_velocity, normal);
+        grip = gripOf(before, stops / mass, mass, contact.pull, left, settings.h);
+        if (!(next_n > 0)) next_n = -grip.impulse;
+      }
+    }
+    if (!(next_n > 0) && !kept && !(gap < 0) && !holds) continue;
     const float leap = 2 * grain.radius * settings.inverse_h;
     const float speed_square = glm::dot(u, u), round = contact.flat * settings.inverse_h;
-    if (!kept && gap > 0 && speed_square >= round * round && speed_square < leap * leap) {
+    if (!kept && gap > 0 && next_n > 0 && speed_square >= round * round && speed_square < leap * leap) {
       // Not touched yet, and too slow to get through anything: would it miss the true surface (an
       // edge, the seam between two boxes), though not the plane that stands for it?
       const float planar = gap + un * settings.h;
@@ -116,11 +135,12 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
     }
     if (settings.first_pass && !kept && contact.restitution > 0 && un < -settings.bounce_speed) {
       const ImpactTime impact =
-          bounceOff(gap, un, glm::dot(settings.gravity_step, normal) * grain.gravity_scale,
-                    contact.restitution, settings.h);
+          bounceOff(contact, grain.radius, gap, un,
+                    glm::dot(settings.gravity_step, normal) * grain.gravity_scale, settings.h);
       if (impact.speed > 0) {
         contact.approach = impact.speed;
         next_n = std::max(0.0f, old_n - mass * (un - contact.approach));
+        grip = {};
         slab.bounces.push_back({contact.grain, kNoSlot, normal * impact.shift});
       }
     }
@@ -128,7 +148,7 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
     const vec3 wish = contact.impulse - old_n * normal - (mass * (2.0f / 7)) * ut;
     const float size = std::sqrt(std::max(glm::dot(wish, wish), 1e-37f));
     const vec3 next =
-        next_n * normal + std::min(1.0f, contact.friction * next_n / size) * wish;
+        next_n * normal + std::min(1.0f, contact.friction * (next_n + grip.limit) / size) * wish;
     grain.velocity += grain.inverse_mass * (next - contact.impulse);
     const float spin_factor = contact.spin_factor;
     grain.spin -= spin_factor * glm::cross(normal, next - contact.impulse);
@@ -138,14 +158,18 @@ void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollide
       const vec3 wish_r =
           contact.rolling - (grain.spin - contact.surface_spin) / inverse_inertia;
       const float size_r = std::sqrt(std::max(glm::dot(wish_r, wish_r), 1e-37f));
-      const float limit_r = contact.rolling_friction * grain.radius * next_n;
+      const float limit_r = contact.rolling_friction * grain.radius * (next_n + grip.limit);
       const vec3 next_r = std::min(1.0f, limit_r / size_r) * wish_r;
       grain.spin += inverse_inertia * (next_r - contact.rolling);
       contact.rolling = next_r;
     }
     const float overlap = -gap - kSlop * grain.radius;
     slab.deepest = std::max(slab.deepest, -gap);
-    if (overlap > 0) grain.position += normal * (2 * kProjection * overlap);
+    if (overlap > 0) {
+      grain.position += normal * (2 * kProjection * overlap);
+    } else if (next_n < 0 && grip.impulse < grip.limit) {
+      grain.position += normal * (2 * kProjection * std::min(0.0f, overlap + 2 * kSlop * grain.radius));
+    }
   }
 }
 

@@ -30,6 +30,7 @@ struct PassSettings {
   float tolerated = 0;  // m/s: a collider's contact that is violated by less is left as it is
   bool rolling = false;  // some grain or collider has rolling friction
   bool bouncing = false;  // some grain or collider has restitution
+  bool cohesive = false;  // some grain has cohesion
   bool standing = false;  // only contacts with colliders that do not move
 };
 
@@ -54,6 +55,10 @@ struct BouncingBatch {
   float approach[kBatch];  // separation speed that a bounce asks for, m/s; 0: none
 };
 
+struct CohesionBatch {
+  float pull[kBatch];  // force that parts the two, N
+};
+
 struct PairSlab {
   // Found pairs by finder (a grain of this slab): the other grain, as Grid::neighbours() names it.
   std::vector<uint32_t> found_j;
@@ -65,6 +70,7 @@ struct PairSlab {
   std::vector<uint8_t> trust;  // a bit a lane; clear: a substep old, its impulse is not kept
   std::vector<RollingBatch> rolling;    // empty: nothing rolls
   std::vector<BouncingBatch> bouncing;  // empty: nothing bounces
+  std::vector<CohesionBatch> cohesion;  // empty: nothing holds
   std::vector<Bounce> bounces;
   float deepest = 0;     // overlap, m
   uint32_t carried = 0;  // contacts that carry an impulse after the last pass
@@ -121,7 +127,7 @@ struct PairLists {
   uint32_t slab_count = 0;
   std::vector<uint32_t> slab_of, found_end;  // by slot
   std::vector<uint64_t> mask[2];             // colours taken, by parity of the slab
-  bool rolling = false, bouncing = false;
+  bool rolling = false, bouncing = false, cohesive = false;
   uint64_t pair_count = 0;
 
   // Finds all pairs of the grid of which a grain is awake and batches them; impulses are taken over
@@ -129,7 +135,7 @@ struct PairLists {
   // (kNoSlot: none), and from `joining`.
   void build(const Grid& grid, const Bodies& bodies, const PairLists& old,
              std::span<const uint32_t> before, std::span<const JoiningPair> joining);
-  // Of solver saves (saved.h). `rolling` and `bouncing` are set before; slab s has the bodies from
+  // Of solver saves (saved.h). `rolling`, `bouncing` and `cohesive` are set before; slab s has the bodies from
   // slab_begin[s] to slab_begin[s + 1]; `in_force`: the passes will use these lists. Returns what is
   // wrong; empty: nothing.
   void save(ByteWriter& out) const;
@@ -162,6 +168,7 @@ struct ColliderContact {
   vec3 impulse{0};   // on the grain, N s
   vec3 rolling{0};   // angular impulse on the grain, N m s
   float friction = 0, rolling_friction = 0, restitution = 0;
+  float pull = 0;    // force that parts grain and collider, N
   float trust = 0;
   float approach = 0;  // separation speed that a bounce asks for, m/s
   // Of the substep: the surface as a plane, n . x = offset, and its velocity.

@@ -50,7 +50,7 @@ struct Mouth {
     spec.orientation.rotation =
         glm::normalize(quat(draw(1) + 0.01f, spread(2), spread(3), spread(4)));
     spec.velocity.linear = velocity + e.spread * inUnitBall<3>(e.seed, number, kOfVelocity);
-    spec.material = {e.density, e.friction, e.rolling_friction, e.restitution};
+    spec.material = {e.density, e.friction, e.rolling_friction, e.restitution, e.cohesion};
     spec.look = {e.color * (1 + e.color_jitter * spread(5)), e.roughness};
     return spec;
   }

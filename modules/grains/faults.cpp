@@ -15,6 +15,7 @@ std::string surfaceFault(const Surface& s) {
   return firstFault({{"friction", s.friction, 0, kMostFriction},
                      {"rolling_friction", s.rolling_friction, 0, kMostFriction},
                      {"restitution", s.restitution, 0, 1},
+                     {"cohesion", s.cohesion, 0, kMostCohesion},
                      {"surface_velocity.x", s.surface_velocity.x, -1e5, 1e5},
                      {"surface_velocity.y", s.surface_velocity.y, -1e5, 1e5},
                      {"surface_velocity.z", s.surface_velocity.z, -1e5, 1e5}});

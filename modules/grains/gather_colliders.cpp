@@ -40,6 +40,7 @@ Collider place(const GrainsState& state, Entity entity, Kind kind, Shape shape,
   collider.friction = component.friction;
   collider.rolling_friction = component.rolling_friction;
   collider.restitution = component.restitution;
+  collider.cohesion = component.cohesion;
   collider.surface_velocity = component.surface_velocity;
   collider.sensed = state.world.has<LoadSensor>(entity);
   return collider;

@@ -70,17 +70,20 @@ struct GrainRest {
 };
 SCREE_COMPONENT(GrainRest, (anchor, "m"), (still, "s"), (asleep, ""));
 
-// Two touching bodies use the geometric mean of their frictions and the larger of their
-// restitutions and rolling frictions.
+// Two touching bodies use the geometric mean of their frictions and cohesions, and the larger of their
+// restitutions and rolling frictions. Cohesion c holds them together up to the force 2 pi c R*,
+// R* = r1 r2 / (r1 + r2), of a grain on a collider its radius: see cohesion.h. Friction and rolling
+// friction are limited by what presses and this force together.
 struct GrainMaterial {
   float density = 1500;        // more than 0
   float friction = 0.5f;       // Coulomb coefficient, at least 0
   float rolling_friction = 0;  // rolling torque / (normal force x radius), at least 0
   float restitution = 0;       // 0 to 1
+  float cohesion = 0;          // 0 to 1e6
 };
 std::string fault(const GrainMaterial& value);
 SCREE_COMPONENT(GrainMaterial, (density, "kg/m^3"), (friction, ""), (rolling_friction, ""),
-                (restitution, ""));
+                (restitution, ""), (cohesion, "N/m"));
 
 struct GrainLook {
   vec3 color{0.76f, 0.6f, 0.38f};  // linear albedo
@@ -124,6 +127,7 @@ struct GrainBlock {
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;
   vec3 color{0.76f, 0.6f, 0.38f};  // linear albedo
   float color_jitter = 0.15f;      // brightness varies by up to this fraction, 0 to 1
   float roughness = 0.8f;
@@ -131,7 +135,7 @@ struct GrainBlock {
 std::string fault(const GrainBlock& value);
 SCREE_COMPONENT(GrainBlock, (count, ""), (radius, "m"), (radius_jitter, ""), (spacing, "m"),
                 (seed, ""), (density, "kg/m^3"), (friction, ""), (rolling_friction, ""),
-                (restitution, ""), (color, ""), (color_jitter, ""), (roughness, ""));
+                (restitution, ""), (cohesion, "N/m"), (color, ""), (color_jitter, ""), (roughness, ""));
 
 // The most grains of a world; a block that would exceed it is refused.
 inline constexpr uint32_t kMaxGrains = 4'000'000;
@@ -150,22 +154,24 @@ struct PlaneCollider {
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;
   vec3 surface_velocity{0};  // local axes: a conveyor belt
 };
 std::string fault(const PlaneCollider& value);
 SCREE_COMPONENT(PlaneCollider, (friction, ""), (rolling_friction, ""), (restitution, ""),
-                (surface_velocity, "m/s"));
+                (cohesion, "N/m"), (surface_velocity, "m/s"));
 
 struct BoxCollider {
   vec3 half_extent{0.5f};
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;
   vec3 surface_velocity{0};
 };
 std::string fault(const BoxCollider& value);
 SCREE_COMPONENT(BoxCollider, (half_extent, "m"), (friction, ""), (rolling_friction, ""),
-                (restitution, ""), (surface_velocity, "m/s"));
+                (restitution, ""), (cohesion, "N/m"), (surface_velocity, "m/s"));
 
 // All points within `radius` of the segment from a to b (local); a = b is a sphere.
 struct CapsuleCollider {
@@ -175,11 +181,12 @@ struct CapsuleCollider {
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;
   vec3 surface_velocity{0};
 };
 std::string fault(const CapsuleCollider& value);
 SCREE_COMPONENT(CapsuleCollider, (a, "m"), (b, "m"), (radius, "m"), (friction, ""),
-                (rolling_friction, ""), (restitution, ""), (surface_velocity, "m/s"));
+                (rolling_friction, ""), (restitution, ""), (cohesion, "N/m"), (surface_velocity, "m/s"));
 
 struct SphereCollider {
   vec3 center{0};  // local
@@ -187,22 +194,24 @@ struct SphereCollider {
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;
   vec3 surface_velocity{0};
 };
 std::string fault(const SphereCollider& value);
 SCREE_COMPONENT(SphereCollider, (center, "m"), (radius, "m"), (friction, ""), (rolling_friction, ""),
-                (restitution, ""), (surface_velocity, "m/s"));
+                (restitution, ""), (cohesion, "N/m"), (surface_velocity, "m/s"));
 
 // The convex hull of the vertices of the entity's MeshInstance.
 struct HullCollider {
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;
   vec3 surface_velocity{0};
 };
 std::string fault(const HullCollider& value);
 SCREE_COMPONENT(HullCollider, (friction, ""), (rolling_friction, ""), (restitution, ""),
-                (surface_velocity, "m/s"));
+                (cohesion, "N/m"), (surface_velocity, "m/s"));
 
 // The triangles of the entity's MeshInstance: a sheet with two sides, which a grain meets on the side
 // where it is. With `solid` the mesh must be closed, and what is inside is pushed out.
@@ -212,11 +221,12 @@ struct MeshCollider {
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;
   vec3 surface_velocity{0};
 };
 std::string fault(const MeshCollider& value);
 SCREE_COMPONENT(MeshCollider, (solid, ""), (thickness, "m"), (friction, ""), (rolling_friction, ""),
-                (restitution, ""), (surface_velocity, "m/s"));
+                (restitution, ""), (cohesion, "N/m"), (surface_velocity, "m/s"));
 
 // A solid given by its distance field: the one that addDistanceField gave the number `field`, or, with
 // field = 0, one sampled from the entity's MeshInstance, which must be closed.
@@ -226,11 +236,12 @@ struct SdfCollider {
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;
   vec3 surface_velocity{0};
 };
 std::string fault(const SdfCollider& value);
 SCREE_COMPONENT(SdfCollider, (resolution, ""), (field, ""), (friction, ""), (rolling_friction, ""),
-                (restitution, ""), (surface_velocity, "m/s"));
+                (restitution, ""), (cohesion, "N/m"), (surface_velocity, "m/s"));
 
 // Pose of a collider at the last tick; added to every collider when it is first seen.
 struct ColliderPose {

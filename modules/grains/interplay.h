@@ -36,6 +36,7 @@ struct GrainEmitter {
   float friction = 0.5f;
   float rolling_friction = 0;
   float restitution = 0;
+  float cohesion = 0;
   vec3 color{0.76f, 0.6f, 0.38f};  // linear albedo
   float color_jitter = 0.15f;      // brightness varies by up to this fraction, 0 to 1
   float roughness = 0.8f;
@@ -48,7 +49,7 @@ std::string fault(const GrainEmitter& value);
 SCREE_COMPONENT(GrainEmitter, (on, ""), (rate, "1/s"), (most, ""), (mouth, "m"), (velocity, "m/s"),
                 (spread, "m/s"), (seed, ""), (radius, "m"), (radius_jitter, ""),
                 (density, "kg/m^3"), (friction, ""), (rolling_friction, ""), (restitution, ""),
-                (color, ""), (color_jitter, ""), (roughness, ""), (due, ""), (emitted, ""),
+                (cohesion, "N/m"), (color, ""), (color_jitter, ""), (roughness, ""), (due, ""), (emitted, ""),
                 (held_back, ""));
 
 // Destroys the grains whose centre is inside at a tick's end; those with the lowest entities first

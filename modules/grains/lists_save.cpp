@@ -93,6 +93,7 @@ std::string PairLists::restore(ByteReader& in, std::span<const uint32_t> slab_be
     refill(own.trust, batches, uint8_t{0});
     refill(own.rolling, rolling ? batches : 0, RollingBatch{});
     refill(own.bouncing, bouncing ? batches : 0, BouncingBatch{});
+    refill(own.cohesion, cohesive ? batches : 0, CohesionBatch{});
     fillIdle(s);
     for (uint32_t b = 0; b < batches; ++b) {
       ++batch;
@@ -151,6 +152,7 @@ void ColliderLists::save(ByteWriter& out) const {
       out.number(contact.rolling);
       out.number(contact.normal);
       out.number(vec3(contact.friction, contact.rolling_friction, contact.restitution));
+      out.number(contact.pull);
       out.number(static_cast<uint8_t>(contact.trust != 0));
     }
   }
@@ -161,7 +163,7 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
   const auto extra = in.number<float>();
   if (!(extra >= 0) || !finite(extra)) return fmt::format("a drift by {} m; allowed is 0 or more", extra);
   const auto count = in.number<uint32_t>();
-  if (!in.has(count, 136)) return fmt::format("{} colliders reach beyond the end", count);
+  if (!in.has(count, 140)) return fmt::format("{} colliders reach beyond the end", count);
   std::vector<Collider> colliders(count);
   for (uint32_t k = 0; k < count; ++k)
     if (!readCollider(in, colliders[k]) || (k > 0 && colliders[k - 1].key >= colliders[k].key))
@@ -176,7 +178,7 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
     own.begin = slab_begin[s];
     own.end = slab_begin[s + 1];
     const auto contacts = in.number<uint32_t>();
-    if (!in.has(contacts, 59))
+    if (!in.has(contacts, 63))
       return fmt::format("slab {}: {} contacts with colliders reach beyond the end", s, contacts);
     own.contact.reserve(contacts);
     for (uint32_t c = 0; c < contacts; ++c) {
@@ -189,6 +191,7 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
       contact.rolling = in.number<vec3>();
       contact.normal = in.number<vec3>();
       const auto mixed = in.number<vec3>();
+      contact.pull = in.number<float>();
       contact.trust = in.number<uint8_t>() != 0 ? 1.0f : 0.0f;
       const bool there = contact.grain >= own.begin && contact.grain < own.end && contact.collider < count;
       if (!there || part >= (colliders[contact.collider].shape == Shape::Field ? DistanceField::kMostTouches : 1))
@@ -201,7 +204,8 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
       if (in_force && !isAwake(bodies, contact.grain))
         return fmt::format("slab {}, contact {} with a collider: the grain sleeps", s, c);
       if (!finite(contact.impulse) || !finite(contact.rolling) || !finite(contact.normal) ||
-          !finite(mixed) || !(mixed.x >= 0 && mixed.y >= 0 && mixed.z >= 0))
+          !finite(mixed) || !(mixed.x >= 0 && mixed.y >= 0 && mixed.z >= 0) || !finite(contact.pull) ||
+          !(contact.pull >= 0))
         return fmt::format("slab {}, contact {} with a collider: numbers that are not allowed", s, c);
       contact.friction = mixed.x;
       contact.rolling_friction = mixed.y;

@@ -53,7 +53,29 @@ inline void noteBounces(PairSlab& slab, const uint32_t* i, const uint32_t* j, un
   }
 }
 
-template <bool kRolling, bool kBouncing>
+// What contacts hold: gripOf() and heldRebound() of cohesion.h, eight at a time.
+struct Grips {
+  Float8 impulse, limit;
+};
+inline Grips gripOf(Float8 before, Float8 speed, Float8 mass, Float8 inverse_mass, Float8 pull, Float8 left,
+                    const PassSettings& settings) {
+  const Float8 zero = splat(0), h = splat(settings.h), most = pull * h, stops = mass * speed;
+  const Float8 from = max(before, zero);
+  const Float8 slowing = pull * inverse_mass - splat(settings.inverse_h) * (speed - from);
+  const Float8 square = from * from - (slowing + slowing) * left;
+  const Float8 sum = from + sqrt(max(square, zero));
+  const Float8 leaves = lessEqual(zero, square) & less(left + left, h * sum);
+  const Float8 torn = (pull + pull) * left / sum;
+  return {select(leaves, torn, min(max(stops, zero), most)), select(leaves, torn, most)};
+}
+inline Float8 heldRebound(Float8 speed, Float8 slowing, Float8 reach, Float8 rest) {
+  const Float8 lost = slowing * rest, square = speed * speed;
+  const Float8 slowed = square / (lost + sqrt(lost * lost + square));
+  const Float8 left = sqrt(max(square - (slowing + slowing) * reach, splat(0)));
+  return select(lessEqual(slowed * rest, reach), slowed, left);
+}
+
+template <bool kRolling, bool kBouncing, bool kCohesive>
 void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSettings& settings) {
   const Float8 zero = splat(0), one = splat(1), tiny = splat(1e-37f);
   const Float8 h = splat(settings.h), inverse_h = splat(settings.inverse_h);
@@ -78,7 +100,7 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
     const Vec3x8 u = vi.v - vj.v;
     const Float8 un = dot(u, normal), old_n = dot(old, normal);
     const Float8 mass = one / (vi.w + vj.w);
-    const Float8 touching = lessEqual(gap, zero);
+    Float8 touching = lessEqual(gap, zero);
     const Float8 kept = notEqual(old.x, zero) | notEqual(old.y, zero) | notEqual(old.z, zero);
 
     // Separation speed that is asked for: the gap may close within the substep, no more.
@@ -88,6 +110,20 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
       asked = select(less(zero, approach), approach, asked);
     }
     Float8 next_n = max(zero, old_n - mass * (un - asked));
+    [[maybe_unused]] Float8 pull, reach, holds;
+    [[maybe_unused]] Grips grip;
+    if constexpr (kCohesive) {
+      pull = load(slab.cohesion[b].pull);
+      reach = splat(kReach) * (xi.w * xj.w / sum);
+      const Float8 left = reach - max(gap, zero), stops = mass * un - old_n;
+      holds = less(zero, pull) & less(zero, left) & (touching | kept | less(zero, stops));
+      if constexpr (kBouncing) holds = andNot(less(zero, load(slab.bouncing[b].approach)), holds);
+      const Float8 before = dot(read(body, i, kBefore).v - read(body, j, kBefore).v, normal);
+      grip = gripOf(before, (vi.w + vj.w) * stops, mass, vi.w + vj.w, pull, left, settings);
+      grip = {holds & grip.impulse, holds & grip.limit};
+      next_n = select(less(zero, next_n), next_n, zero - grip.impulse);
+      touching = touching | holds;
+    }
     const Float8 touched = touching | kept, pushed = less(zero, next_n);
     if (!any(touched | pushed)) continue;
 
@@ -106,10 +142,18 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
     }
     if constexpr (kBouncing) {
       if (settings.first_pass) {
-        const Float8 restitution = load(slab.bouncing[b].restitution);
-        const Float8 fresh = andNot(kept, hits) & less(un, splat(-settings.bounce_speed)) &
+        Float8 restitution = load(slab.bouncing[b].restitution);
+        Float8 fresh = andNot(kept, hits) & less(un, splat(-settings.bounce_speed)) &
                              less(zero, restitution) & less(zero, next_n);
-        const Float8 approach = fresh & (restitution * (zero - un));
+        Float8 approach = fresh & (restitution * (zero - un));
+        if constexpr (kCohesive) {
+          const Float8 rest = max(h - max(gap, zero) / max(zero - un, tiny), zero);
+          const Float8 held = heldRebound(approach, pull * (vi.w + vj.w), reach, rest);
+          approach = fresh & select(less(zero, pull), held, approach);
+          fresh = less(zero, approach);
+          restitution = select(fresh, approach / max(zero - un, tiny), restitution);
+          grip.limit = andNot(fresh, grip.limit);
+        }
         store(slab.bouncing[b].approach, approach);
         next_n = select(fresh, max(zero, old_n - mass * (un - approach)), next_n);
         noteBounces(slab, i, j, bits(fresh & less(zero, gap)), restitution, gap, normal);
@@ -123,7 +167,9 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
     const Vec3x8 ut = u - un * normal - cross(turn, lever);
     const Float8 mass_t = mass / (one + splat(2.5f) * (inverse_sum * inverse_sum * square));
     const Vec3x8 wish = old - old_n * normal - mass_t * ut;
-    const Float8 limit = wi.w * wj.w * next_n;
+    Float8 pressed = next_n;  // together, by whatever
+    if constexpr (kCohesive) pressed = next_n + grip.limit;
+    const Float8 limit = wi.w * wj.w * pressed;
     const Float8 scale = min(one, limit / sqrt(max(dot(wish, wish), tiny)));
     const Vec3x8 next = next_n * normal + scale * wish;
     const Vec3x8 change = next - old;
@@ -147,7 +193,7 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
           kj = splat(2.5f) * vj.w / (xj.w * xj.w);
       const Vec3x8 old_r = load3(rolls.impulse);
       const Vec3x8 wish_r = old_r - (one / (ki + kj)) * (wi.v - wj.v);
-      const Float8 limit_r = load(rolls.friction) * next_n * (xi.w * xj.w * inverse_sum);
+      const Float8 limit_r = load(rolls.friction) * pressed * (xi.w * xj.w * inverse_sum);
       const Vec3x8 next_r = min(one, limit_r / sqrt(max(dot(wish_r, wish_r), tiny))) * wish_r;
       const Vec3x8 change_r = next_r - old_r;
       store3(rolls.impulse, next_r);
@@ -159,8 +205,13 @@ void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSe
 
     const Float8 overlap = zero - gap - slop * sum;
     deepest = max(deepest, zero - gap);
-    if (any(less(zero, overlap))) {
-      const Vec3x8 shift = projection * max(overlap, zero) * mass * normal;
+    Float8 undone = max(overlap, zero);
+    if constexpr (kCohesive) {  // what hangs is drawn to touch again
+      const Float8 hangs = less(next_n, zero) & less(grip.impulse, grip.limit);
+      undone = select(hangs, undone + min(slop * sum - gap, zero), undone);
+    }
+    if (any(notEqual(undone, zero))) {
+      const Vec3x8 shift = projection * undone * mass * normal;
       xi.v = xi.v + vi.w * shift;
       xj.v = xj.v - vj.w * shift;
       write(body, i, kPosition, xi);
@@ -220,12 +271,18 @@ inline void applyKept(PairSlab& slab, Body* body, const PassSettings& settings) 
 }
 
 inline void relax(PairSlab& slab, Body* body, const Entity* entity, const PassSettings& settings) {
-  if (settings.bouncing) {
-    relaxBatches<true, true>(slab, body, entity, settings);
+  if (settings.cohesive) {
+    if (settings.bouncing) {
+      relaxBatches<true, true, true>(slab, body, entity, settings);
+    } else {
+      relaxBatches<true, false, true>(slab, body, entity, settings);
+    }
+  } else if (settings.bouncing) {
+    relaxBatches<true, true, false>(slab, body, entity, settings);
   } else if (settings.rolling) {
-    relaxBatches<true, false>(slab, body, entity, settings);
+    relaxBatches<true, false, false>(slab, body, entity, settings);
   } else {
-    relaxBatches<false, false>(slab, body, entity, settings);
+    relaxBatches<false, false, false>(slab, body, entity, settings);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "engine/core/parallel.h"
+#include "modules/grains/cohesion.h"
 #include "modules/grains/contacts.h"
 
 namespace scree::grains {
@@ -25,12 +26,13 @@ void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& o
   remake(found_end, bodies.count);
   remake(mask[0], bodies.count);
   remake(mask[1], bodies.count);
-  rolling = bouncing = false;
+  rolling = bouncing = cohesive = false;
   for (const GrainMaterial& material : std::span(bodies.material).first(bodies.count)) {
     rolling = rolling || material.rolling_friction > 0;
     bouncing = bouncing || material.restitution > 0;
+    cohesive = cohesive || material.cohesion > 0;
   }
-  rolling = rolling || bouncing;
+  rolling = rolling || bouncing || cohesive;
   const Worth worth = worthOf(bodies.count, kFewGrains);
   parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) { find(grid, bodies, uint32_t(s)); },
                  worth);
@@ -204,6 +206,11 @@ void PairLists::mixMaterials(PairSlab& own, uint32_t contact, const Bodies& bodi
   const GrainMaterial &i = bodies.material[own.i[contact]], &j = bodies.material[own.j[contact]];
   if (rolling) own.rolling[b].friction[lane] = std::max(i.rolling_friction, j.rolling_friction);
   if (bouncing) own.bouncing[b].restitution[lane] = std::max(i.restitution, j.restitution);
+  if (cohesive) {
+    const float reduced =
+        reducedRadius(bodies.body[own.i[contact]].radius, bodies.body[own.j[contact]].radius);
+    own.cohesion[b].pull[lane] = pullOf(i.cohesion, j.cohesion, reduced);
+  }
 }
 
 void PairLists::fill(uint32_t s, const Bodies& bodies) {
@@ -213,6 +220,7 @@ void PairLists::fill(uint32_t s, const Bodies& bodies) {
   refill(own.trust, batches, uint8_t{0});
   refill(own.rolling, rolling ? batches : 0, RollingBatch{});
   refill(own.bouncing, bouncing ? batches : 0, BouncingBatch{});
+  refill(own.cohesion, cohesive ? batches : 0, CohesionBatch{});
   own.bounces.clear();
   for (uint32_t c = 0; c < own.count; ++c) {
     const uint32_t i = own.i[c], j = own.j[c], b = c / kBatch, lane = c % kBatch;
@@ -248,7 +256,8 @@ size_t PairLists::memoryBytes() const {
              sizeof(s.foreign[0]) * s.foreign.capacity() + 4 * s.border.capacity() +
              sizeof(ImpulseBatch) * s.impulse.capacity() + s.trust.capacity() +
              sizeof(RollingBatch) * s.rolling.capacity() +
-             sizeof(BouncingBatch) * s.bouncing.capacity() + sizeof(Bounce) * s.bounces.capacity();
+             sizeof(BouncingBatch) * s.bouncing.capacity() +
+             sizeof(CohesionBatch) * s.cohesion.capacity() + sizeof(Bounce) * s.bounces.capacity();
   return bytes;
 }
 

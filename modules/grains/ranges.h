@@ -28,6 +28,7 @@ std::string kindFault(const Maker& m) {
                      {"friction", m.friction, 0, kMostFriction},
                      {"rolling_friction", m.rolling_friction, 0, kMostFriction},
                      {"restitution", m.restitution, 0, 1},
+                     {"cohesion", m.cohesion, 0, kMostCohesion},
                      {"color.x", m.color.x, 0, 1},
                      {"color.y", m.color.y, 0, 1},
                      {"color.z", m.color.z, 0, 1},

@@ -18,6 +18,6 @@
 
 namespace scree::grains {
 
-inline constexpr uint32_t kSavedVersion = 1;
+inline constexpr uint32_t kSavedVersion = 2;
 
 }  // namespace scree::grains

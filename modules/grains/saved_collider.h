@@ -11,7 +11,7 @@ template <class AnyCollider, class Visit>
 void eachSavedField(AnyCollider& collider, const Visit& visit) {
   // A new field does not compile until it is named here, and saved or left out.
   auto& [key, shape, position0, position1, rotation0, rotation1, half_extent, a, b, radius, field,
-         field_identity, friction, rolling_friction, restitution, surface_velocity, sensed, load,
+         field_identity, friction, rolling_friction, restitution, cohesion, surface_velocity, sensed, load,
          load_contacts] = collider;
   visit(key);
   visit(shape);
@@ -28,6 +28,7 @@ void eachSavedField(AnyCollider& collider, const Visit& visit) {
   visit(friction);
   visit(rolling_friction);
   visit(restitution);
+  visit(cohesion);
   visit(surface_velocity);
   static_cast<void>(sensed);  // the lists do not depend on it
   static_cast<void>(load);

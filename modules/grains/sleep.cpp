@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "modules/grains/cohesion.h"
 #include "modules/grains/rest.h"
 #include "modules/grains/solver.h"
 
@@ -42,7 +43,7 @@ void GrainSolver::findDisturbed(std::span<const Collider> colliders,
     const PosedCollider begin = poseCollider(collider, 0, 0, 0);
     sleepers_.near(bounds.min, bounds.max, [&](uint32_t berth) {
       const Sleeper& sleeper = sleepers_[berth];
-      const float reach = 1.01f * sleeper.radius;
+      const float reach = (sleeper.material.cohesion > 0 ? 1.01f + kReach : 1.01f) * sleeper.radius;
       if (!apart(sleeper.position - reach, sleeper.position + reach, bounds) &&
           nearestSurface(begin, sleeper.position).distance < reach + motion)
         waking_.push_back(berth);

@@ -53,7 +53,7 @@ void Sleepers::save(ByteWriter& out, std::vector<uint32_t>& saved_berth) const {
 
 std::string Sleepers::restore(ByteReader& in, uint32_t handles) {
   const auto count = in.number<uint32_t>();
-  if (!in.has(count, 57)) return fmt::format("{} sleepers reach beyond the end", count);
+  if (!in.has(count, 61)) return fmt::format("{} sleepers reach beyond the end", count);
   sleeper_.reserve(count);
   spot_.reserve(count);
   for (uint32_t k = 0; k < count; ++k) {

@@ -166,6 +166,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
   settings.bounce_speed = std::max(0.05f, 2 * glm::length(settings.gravity_step));
   settings.rolling = pairs_.rolling;
   settings.bouncing = pairs_.bouncing;
+  settings.cohesive = pairs_.cohesive;
 
   const float substeps = static_cast<float>(std::clamp(parameters.substeps, 1, 64));
   posed_.resize(colliders.size());

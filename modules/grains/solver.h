@@ -34,6 +34,7 @@ inline constexpr float kLongestTick = 0.1f;
 // What a grain may measure; others are refused. Mass and its inverse stay far inside float's range.
 inline constexpr float kLeastRadius = 1e-5f, kMostRadius = 1e4f;      // m
 inline constexpr float kLeastDensity = 1e-3f, kMostDensity = 1e6f;    // kg/m^3
+inline constexpr float kMostCohesion = 1e6f;                          // N/m
 inline constexpr float kMostSpeed = 1e5f;                             // m/s and rad/s at the surface
 inline constexpr float kMostDistance = 1e9f;                          // from the field's origin, m
 

@@ -14,7 +14,8 @@ bool allowed(float radius, const GrainMaterial& material) {
   return radius >= kLeastRadius && radius <= kMostRadius && material.density >= kLeastDensity &&
          material.density <= kMostDensity && material.friction >= 0 && material.friction <= 1e3f &&
          material.rolling_friction >= 0 && material.rolling_friction <= 1e3f &&
-         material.restitution >= 0 && material.restitution <= 1;
+         material.restitution >= 0 && material.restitution <= 1 && material.cohesion >= 0 &&
+         material.cohesion <= kMostCohesion;
 }
 
 namespace {

@@ -33,6 +33,7 @@ std::string GrainSolver::saved() const {
   out.number(static_cast<uint8_t>(search_due_));
   out.number(static_cast<uint8_t>(pairs_.rolling));
   out.number(static_cast<uint8_t>(pairs_.bouncing));
+  out.number(static_cast<uint8_t>(pairs_.cohesive));
 
   std::vector<uint32_t> saved_berth;
   sleepers_.save(out, saved_berth);
@@ -88,6 +89,7 @@ std::string GrainSolver::restoreScalars(ByteReader& in, uint32_t) {
   search_due_ = in.number<uint8_t>() != 0;
   pairs_.rolling = in.number<uint8_t>() != 0;
   pairs_.bouncing = in.number<uint8_t>() != 0;
+  pairs_.cohesive = in.number<uint8_t>() != 0;
   if (!(last_h_ > 0 && last_h_ <= kLongestTick))
     return fmt::format("a substep of {} s; allowed is up to {}", last_h_, kLongestTick);
   if (!finite(drift_) || !(drift_time_ >= 0) || !finite(drift_time_) || age_ < 0 || age_ > kOld ||
@@ -95,7 +97,8 @@ std::string GrainSolver::restoreScalars(ByteReader& in, uint32_t) {
       !(least_margin_way_ >= 0))
     return fmt::format("age {}, margins of {} substeps and {} radii, or a drift that is not allowed",
                        age_, lifetime_, least_margin_);
-  if (pairs_.bouncing && !pairs_.rolling) return "contacts that bounce but do not roll";
+  if ((pairs_.bouncing || pairs_.cohesive) && !pairs_.rolling)
+    return "contacts that bounce or hold, but do not roll";
   return {};
 }
 

@@ -48,7 +48,7 @@ void spawnBlock(World& world, const FoundBlock& found, const dvec3& origin) {
   const size_t total = nx * ny * nz;
   if (total == 0) return;
   const GrainMaterial material{block.density, block.friction, block.rolling_friction,
-                               block.restitution};
+                               block.restitution, block.cohesion};
   const TableRows rows =
       world.spawnMany(total, Grain{}, GrainVelocity{}, GrainSpin{}, GrainOrientation{},
                       GrainPrevious{}, GrainRest{}, material,
