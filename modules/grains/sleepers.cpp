@@ -179,8 +179,7 @@ void Sleepers::passDown(std::vector<uint32_t>& berths, vec3 gravity_step) {
     }
     for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) {
       const float bears = glm::dot(wall_.node[at].impulse, up);
-      const bool pulls = glm::dot(wall_.node[at].impulse, wall_.node[at].normal) < 0;  // it hangs there
-      if (bears > most && (pulls || glm::dot(wall_.node[at].normal, up) > kSteep)) {
+      if (bears > most && glm::dot(wall_.node[at].normal, up) > kSteep) {
         most = bears;
         pair = kNoSlot;
         wall = at;
