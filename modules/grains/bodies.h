@@ -62,6 +62,7 @@ inline Worth worthOf(size_t n, size_t few) { return n < few ? Worth::OneThread :
 // Impulses on a grain in a substep.
 struct Load {
   vec3 impulse{0};    // left over: of all contacts and gravity, N s
+  vec3 moment{0};     // left over, angular impulse / radius, N s
   float carried = 0;  // sum of the contacts' sizes, N s
 };
 

@@ -81,6 +81,13 @@ struct PairSlab {
     const uint32_t lane = contact % kBatch;
     return {batch.impulse[0][lane], batch.impulse[1][lane], batch.impulse[2][lane]};
   }
+  // N.
+  float pullAt(uint32_t contact) const {
+    return cohesion.empty() ? 0.0f : cohesion[contact / kBatch].pull[contact % kBatch];
+  }
+  void setImpulse(uint32_t contact, vec3 value) {
+    for (int axis = 0; axis < 3; ++axis) impulse[contact / kBatch].impulse[axis][contact % kBatch] = value[axis];
+  }
   vec3 rollingAt(uint32_t contact) const {
     if (rolling.empty()) return vec3(0);
     const RollingBatch& batch = rolling[contact / kBatch];

@@ -3,8 +3,8 @@
 // A grain is still while it stays within a hundredth of its radius of where its rest began and its
 // spin is slow. It falls asleep when it and all that it leans on have been still for kFallAsleep and
 // the impulses on it cancel its weight. Asleep it is an unmoving neighbour to those awake, and the
-// impulses between sleepers stay as they are. It wakes when the impulses of those awake no longer
-// cancel its load, when it is about to be struck, when a collider that moves or goes away touches it,
+// impulses between sleepers change only with what those awake press on them. It wakes when its contacts
+// cannot bear that within friction, when it is about to be struck, when a collider that moves or goes away touches it,
 // when a grain that pressed on it is removed, when gravity or the tick changes, and when its row is
 // written to. All of this is decided grain by grain: a heap sleeps and wakes in parts.
 #pragma once
@@ -22,9 +22,13 @@ inline constexpr float kStillWay = 0.01f;      // radii
 inline constexpr float kStillSpeed = 0.05f;    // m/s, of the grain and of its surface
 // A faster approach wakes a sleeper before it is struck.
 inline constexpr float kStrike = 0.1f;  // m/s
-// Impulse left over on a grain, as a share of its weight's: at most to fall asleep, and to stay so.
-inline constexpr float kBalanced = 0.1f, kUnbalanced = 0.2f;
-// In addition, as a share of the sum of the impulses that the grain passes on.
-inline constexpr float kBalancedShare = 0.02f, kUnbalancedShare = 0.05f;
+// Impulse left over on a grain, as a share of its weight's, and in addition as a share of the sum of the
+// impulses that it passes on: at most to fall asleep, and before the contacts of a sleeper are changed.
+inline constexpr float kBalanced = 0.1f, kUneasy = 0.1f;
+inline constexpr float kBalancedShare = 0.02f, kUneasyShare = 0.05f;
+// More than this share of its weight and of what it passes on is a blow: that wakes it.
+inline constexpr float kBlow = 0.5f;
+// How far, in grains, a change of load spreads among sleepers within a tick.
+inline constexpr int kRounds = 2;
 
 }  // namespace scree::grains

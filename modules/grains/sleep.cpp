@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "modules/grains/cohesion.h"
 #include "modules/grains/rest.h"
@@ -87,29 +88,6 @@ void GrainSolver::addPairLoad(const PairSlab& slab, uint32_t contact) {
   j.carried += size;
 }
 
-// Sleepers on which those awake press harder, or less, than the others can bear.
-void GrainSolver::findUnbalanced(vec3 gravity_step) {
-  if (sleepers_.count() == 0) return;
-  const auto eachBorder = [&](const auto& visit) {
-    for (uint32_t s = 0; s < pairs_.slab_count; ++s)
-      for (const uint32_t c : pairs_.slab[s].border) visit(pairs_.slab[s], c);
-  };
-  remake(load_, bodies_.count);
-  eachBorder([&](const PairSlab& slab, uint32_t c) {
-    for (const uint32_t slot : {slab.i[c], slab.j[c]})
-      load_[slot] = isAsleep(bodies_, slot) ? sleepers_[bodies_.berth[slot]].load : Load{};
-  });
-  eachBorder([&](const PairSlab& slab, uint32_t c) { addPairLoad(slab, c); });
-  eachBorder([&](const PairSlab& slab, uint32_t c) {
-    const uint32_t slot = isAsleep(bodies_, slab.i[c]) ? slab.i[c] : slab.j[c];
-    const Load& load = load_[slot];
-    const Sleeper& sleeper = sleepers_[bodies_.berth[slot]];
-    const float weight = grainMass(sleeper.radius, sleeper.material.density) * length(gravity_step);
-    if (length(load.impulse) > kUnbalanced * weight + kUnbalancedShare * load.carried)
-      waking_.push_back(bodies_.berth[slot]);
-  });
-}
-
 // Wakes those in waking_.
 void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
   if (waking_.empty()) return;
@@ -127,7 +105,10 @@ void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
     awake_.push_back({sleeper.row, slot});
   }
   for (const uint32_t berth : partners_)
-    if (sleepers_[berth].radius > 0) sleepers_.weigh(berth, gravity_step);
+    if (sleepers_[berth].radius > 0) {
+      sleepers_.weigh(berth, gravity_step);
+      sleepers_.unbook(berth);
+    }
   partners_.clear();
   // The rows of those that are new in awake_.
   std::sort(awake_.begin() + static_cast<std::ptrdiff_t>(awake_sorted_), awake_.end(), beforeRow);
@@ -239,7 +220,8 @@ void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_ste
 
   const uint32_t listed = pairs_.bodyCount();
   for (uint32_t k = 0; k < bodies_.count; ++k)
-    if (isAsleep(bodies_, k)) sleepers_[bodies_.berth[k]].propped = false;
+    if (isAsleep(bodies_, k) && std::exchange(sleepers_[bodies_.berth[k]].propped, false))
+      falling_.push_back(bodies_.berth[k]);
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
     const PairSlab& slab = pairs_.slab[s];
     for (uint32_t c = 0; c < slab.count; ++c) {
@@ -259,9 +241,17 @@ void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_ste
       if (falls(contact.grain) && contact.impulse != vec3(0))
         sleepers_.leanOn(bodies_.berth[contact.grain], contact);
   }
-  sleepers_.passDown(falling_, gravity_step);
+  bookLeftOver(gravity_step);
   search_due_ = true;
   stats_.asleep = sleepers_.count();
+}
+
+// Of the sleepers in falling_, whose contacts have changed.
+void GrainSolver::bookLeftOver(vec3 gravity_step) {
+  std::sort(falling_.begin(), falling_.end());
+  falling_.erase(std::unique(falling_.begin(), falling_.end()), falling_.end());
+  for (const uint32_t berth : falling_) sleepers_.weigh(berth, gravity_step);
+  for (const uint32_t berth : falling_) sleepers_.book(berth, gravity_step);
 }
 
 // What sleepers press on sensed colliders, over a tick.

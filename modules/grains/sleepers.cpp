@@ -1,4 +1,4 @@
-// The store of sleepers: hashed cells, contact lists, and what is passed down to the ground.
+// The store of sleepers: hashed cells, contact lists, and what they leave over on the ground.
 #include "modules/grains/sleepers.h"
 
 #include <glm/geometric.hpp>
@@ -104,7 +104,12 @@ Sleepers::WallLoad& Sleepers::wallLoad(uint32_t key) {
       std::lower_bound(wall_load_.begin(), wall_load_.end(), key,
                        [](const WallLoad& load, uint32_t wanted) { return load.key < wanted; });
   if (at != wall_load_.end() && at->key == key) return *at;
-  return *wall_load_.insert(at, WallLoad{key, 0, {}});
+  return *wall_load_.insert(at, WallLoad{key, 0, 0, {}});
+}
+
+void Sleepers::dropIfIdle(WallLoad& load) {
+  if (load.contacts == 0 && load.bookings == 0)
+    wall_load_.erase(wall_load_.begin() + (&load - wall_load_.data()));
 }
 
 const Sleepers::WallLoad* Sleepers::loadOn(uint32_t key) const {
@@ -124,7 +129,8 @@ void Sleepers::leanOn(uint32_t berth, const ColliderContact& contact) {
   const uint32_t key = colliderKey(contact.key);
   const bool leans = leansOn(sleeper_[berth].walls, key);  // at another point
   const uint32_t at = wall_.take();
-  wall_.node[at] = {contact.key, kNoSlot, contact.impulse, contact.rolling, contact.normal};
+  wall_.node[at] = {contact.key,    kNoSlot,          contact.impulse, contact.rolling,
+                    contact.normal, contact.friction, contact.pull};
   uint32_t* link = &sleeper_[berth].walls;
   while (*link != kNoSlot && wall_.node[*link].key < contact.key) link = &wall_.node[*link].next;
   wall_.node[at].next = *link;
@@ -138,76 +144,79 @@ void Sleepers::leanOn(uint32_t berth, const ColliderContact& contact) {
 
 void Sleepers::weigh(uint32_t berth, vec3 gravity_step) {
   Sleeper& own = sleeper_[berth];
-  own.load = {grainMass(own.radius, own.material.density) * gravity_step, 0};
-  const auto add = [&](vec3 impulse) {
+  own.load = {grainMass(own.radius, own.material.density) * gravity_step, vec3(0), 0};
+  const auto add = [&](vec3 normal, vec3 impulse, vec3 rolling) {
     own.load.impulse += impulse;
+    own.load.moment += rolling / own.radius - glm::cross(normal, impulse);
     own.load.carried += std::sqrt(glm::dot(impulse, impulse));
   };
-  for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) add(wall_.node[at].impulse);
-  for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) add(pair_.node[at].impulse);
+  for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next)
+    add(wall_.node[at].normal, wall_.node[at].impulse, wall_.node[at].rolling);
+  for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next)
+    add(normalOf(own, sleeper_[pair_.node[at].other]), pair_.node[at].impulse, pair_.node[at].rolling);
 }
 
-void Sleepers::passDown(std::vector<uint32_t>& berths, vec3 gravity_step) {
-  const float g = std::sqrt(glm::dot(gravity_step, gravity_step));
-  const vec3 up = g > 0 ? gravity_step * (-1 / g) : vec3(0);
-  const auto lower = [&](uint32_t a, uint32_t b) {  // the highest is on top of the heap
-    const float ha = glm::dot(sleeper_[a].position, up), hb = glm::dot(sleeper_[b].position, up);
-    return ha != hb ? ha < hb : sleeper_[b].entity < sleeper_[a].entity;
-  };
-  std::make_heap(berths.begin(), berths.end(), lower);
-  while (!berths.empty()) {
-    std::pop_heap(berths.begin(), berths.end(), lower);
-    const uint32_t berth = berths.back();
-    berths.pop_back();
-    weigh(berth, gravity_step);
-    Sleeper& own = sleeper_[berth];
-    const vec3 left = own.load.impulse;
-    const float weight = grainMass(own.radius, own.material.density) * g;
-    if (own.propped || !(glm::dot(left, left) > 1e-10f * weight * weight)) continue;
-    // Of the contacts at the lower side, the one that bears most.
-    constexpr float kSteep = 0.3f;  // a support's direction, at least so much down
+void Sleepers::pressWall(WallNode& node, vec3 impulse) {
+  WallLoad& load = wallLoad(colliderKey(node.key));
+  for (int axis = 0; axis < 3; ++axis) {
+    ExactSum& sum = load.impulse[static_cast<size_t>(axis)];
+    sum.add(-node.impulse[axis]);
+    sum.add(impulse[axis]);
+  }
+  node.impulse = impulse;
+}
+
+uint32_t Sleepers::groundUnder(uint32_t berth, vec3 up) const {
+  constexpr int kMostSteps = 1024;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Sleeper& own = sleeper_[berth];
     float most = 0;
-    uint32_t pair = kNoSlot, wall = kNoSlot;
+    uint32_t next = kNoSlot, ground = kNoSlot;
     for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
       const Sleeper& other = sleeper_[pair_.node[at].other];
       const float bears = glm::dot(pair_.node[at].impulse, up);
-      if (bears > most && glm::dot(own.position - other.position, up) >
-                              kSteep * (own.radius + other.radius)) {
-        most = bears;
-        pair = at;
-      }
+      if (!(bears > most) || !(glm::dot(own.position - other.position, up) > 0)) continue;
+      most = bears;
+      next = pair_.node[at].other;
     }
     for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) {
       const float bears = glm::dot(wall_.node[at].impulse, up);
-      if (bears > most && glm::dot(wall_.node[at].normal, up) > kSteep) {
-        most = bears;
-        pair = kNoSlot;
-        wall = at;
-      }
+      if (!(bears > most)) continue;
+      most = bears;
+      ground = colliderKey(wall_.node[at].key);
     }
-    if (pair != kNoSlot) {
-      pair_.node[pair].impulse -= left;
-      const uint32_t other = pair_.node[pair].other;
-      uint32_t back = sleeper_[other].pairs;
-      while (pair_.node[back].other != berth) back = pair_.node[back].next;
-      pair_.node[back].impulse = -pair_.node[pair].impulse;
-      berths.push_back(other);
-      std::push_heap(berths.begin(), berths.end(), lower);
-    } else if (wall != kNoSlot) {
-      WallLoad& load = wallLoad(colliderKey(wall_.node[wall].key));
-      for (int axis = 0; axis < 3; ++axis) {
-        const size_t a = static_cast<size_t>(axis);
-        load.impulse[a].add(-wall_.node[wall].impulse[axis]);
-        wall_.node[wall].impulse[axis] -= left[axis];
-        load.impulse[a].add(wall_.node[wall].impulse[axis]);
-      }
-    }
-    weigh(berth, gravity_step);
+    if (ground != kNoSlot || next == kNoSlot) return ground;
+    berth = next;
   }
+  return kNoSlot;
+}
+
+void Sleepers::unbook(uint32_t berth) {
+  Sleeper& own = sleeper_[berth];
+  if (own.booked_on == kNoSlot) return;
+  WallLoad& load = wallLoad(own.booked_on);
+  for (int axis = 0; axis < 3; ++axis) load.impulse[static_cast<size_t>(axis)].add(-own.booked[axis]);
+  --load.bookings;
+  dropIfIdle(load);
+  own.booked_on = kNoSlot;
+}
+
+void Sleepers::book(uint32_t berth, vec3 gravity_step) {
+  unbook(berth);
+  Sleeper& own = sleeper_[berth];
+  const float g = std::sqrt(glm::dot(gravity_step, gravity_step));
+  if (own.propped || !(g > 0) || own.load.impulse == vec3(0)) return;
+  own.booked_on = groundUnder(berth, gravity_step * (-1 / g));
+  if (own.booked_on == kNoSlot) return;
+  own.booked = -own.load.impulse;
+  WallLoad& load = wallLoad(own.booked_on);
+  for (int axis = 0; axis < 3; ++axis) load.impulse[static_cast<size_t>(axis)].add(own.booked[axis]);
+  ++load.bookings;
 }
 
 void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<WokenWall>& walls,
                     std::vector<uint32_t>& partners) {
+  unbook(berth);
   Sleeper& own = sleeper_[berth];
   for (uint32_t at = own.pairs, next = kNoSlot; at != kNoSlot; at = next) {
     const PairNode node = pair_.node[at];
@@ -233,7 +242,7 @@ void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<W
     for (int axis = 0; axis < 3; ++axis)
       load.impulse[static_cast<size_t>(axis)].add(-node.impulse[axis]);
     --contacts_;
-    if (load.contacts == 0) wall_load_.erase(wall_load_.begin() + (&load - wall_load_.data()));
+    dropIfIdle(load);
   }
   Spot& spot = spot_[berth];
   const uint32_t bucket = bucketOf(spot);

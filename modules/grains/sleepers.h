@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include <glm/geometric.hpp>
+
 #include "engine/core/bytes.h"
 #include "modules/grains/bodies.h"
 #include "modules/grains/collider.h"
@@ -50,7 +52,23 @@ struct Sleeper {
   Entity entity;
   GrainMaterial material;
   Load load;  // of gravity, of other sleepers and of colliders, a substep
+  uint32_t booked_on = kNoSlot;  // key of a collider: see book()
+  vec3 booked{0};                // N s
 };
+
+// A contact as a sleeper feels it.
+struct Touch {
+  vec3 normal{0};    // from there to the centre
+  vec3 impulse{0};   // on the sleeper, a substep, N s
+  float friction = 0;
+  float pull = 0;    // force that parts it, N
+};
+
+// Of a contact: from the other's centre to the sleeper's.
+inline vec3 normalOf(const Sleeper& own, const Sleeper& other) {
+  const vec3 d = own.position - other.position;
+  return d * (1 / std::sqrt(std::max(glm::dot(d, d), 1e-37f)));
+}
 
 // What those who woke take along.
 struct WokenPair {
@@ -93,9 +111,17 @@ class Sleepers {
   void leanOn(uint32_t berth, const ColliderContact& contact);
   // Sums what the sleeper bears. After its contacts have changed.
   void weigh(uint32_t berth, vec3 gravity_step);
-  // Weighs these, and lets each that is not propped pass on what its contacts leave over to the lower
-  // one that bears most, and so on down to the colliders: what all sleepers press is what they weigh.
-  void passDown(std::vector<uint32_t>& berths, vec3 gravity_step);
+  // What the contacts of a sleeper leave over, if it is not propped, is booked on the collider that its
+  // strongest supports lead down to: what all sleepers press is what they weigh. After weigh().
+  void book(uint32_t berth, vec3 gravity_step);
+  void unbook(uint32_t berth);
+
+  // If the sleeper's load is out of balance, changes all its contacts as little as balances force and
+  // moment: those with other sleepers and with colliders, and `outer`, those with grains awake. False
+  // if contacts that press, or hold, within Coulomb's limit cannot balance it. `touched`: partners asleep
+  // that bear something else now. `h`: the substep, s.
+  bool balance(uint32_t berth, vec3 gravity_step, float h, std::span<Touch> outer,
+               std::vector<uint32_t>& touched);
 
   // Takes the sleeper out; its contacts go to `pairs` and `walls`, and from the lists of those that
   // it leaned on, whose berths go to `partners`.
@@ -112,6 +138,7 @@ class Sleepers {
   struct WallLoad {
     uint32_t key = 0;
     uint32_t contacts = 0;  // sleepers
+    uint32_t bookings = 0;
     std::array<ExactSum, 3> impulse;  // on the grains, N s a substep
   };
   // Null: nothing sleeps on it.
@@ -136,6 +163,7 @@ class Sleepers {
     uint32_t key = 0;
     uint32_t next = kNoSlot;
     vec3 impulse{0}, rolling{0}, normal{0};
+    float friction = 0, pull = 0;
   };
   template <class Node>
   struct Pool {
@@ -154,7 +182,11 @@ class Sleepers {
   // Whether a node of a sleeper's list of walls, from this one on, is of a collider.
   bool leansOn(uint32_t node, uint32_t key) const;
   void insertPair(uint32_t owner, const PairNode& node);
+  // Keys of colliders, kNoSlot if no way leads down to one.
+  uint32_t groundUnder(uint32_t berth, vec3 up) const;
   WallLoad& wallLoad(uint32_t key);
+  void dropIfIdle(WallLoad& load);
+  void pressWall(WallNode& node, vec3 impulse);
 
   std::vector<Sleeper> sleeper_;
   std::vector<Spot> spot_;
@@ -163,6 +195,7 @@ class Sleepers {
   Pool<PairNode> pair_;
   Pool<WallNode> wall_;
   std::vector<WallLoad> wall_load_;  // by key
+  std::vector<Touch> touches_;       // working memory of balance()
   std::vector<uint32_t> bucket_;     // first berth
   std::vector<uint64_t> occupied_;   // a bit a bucket: not empty
   // Cells of level l are 2^(l + kLowestLevel) m wide: at least a diameter of those in them.

@@ -23,6 +23,8 @@ void Sleepers::save(ByteWriter& out, std::vector<uint32_t>& saved_berth) const {
     out.number(own.entity);
     out.number(own.material);
     out.number(own.load);
+    out.number(own.booked_on);
+    out.number(own.booked);
     out.number(static_cast<uint8_t>(own.propped));
     for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) ++pairs;
     for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) ++walls;
@@ -47,13 +49,15 @@ void Sleepers::save(ByteWriter& out, std::vector<uint32_t>& saved_berth) const {
       out.number(node.impulse);
       out.number(node.rolling);
       out.number(node.normal);
+      out.number(node.friction);
+      out.number(node.pull);
     }
   });
 }
 
 std::string Sleepers::restore(ByteReader& in, uint32_t handles) {
   const auto count = in.number<uint32_t>();
-  if (!in.has(count, 61)) return fmt::format("{} sleepers reach beyond the end", count);
+  if (!in.has(count, 89)) return fmt::format("{} sleepers reach beyond the end", count);
   sleeper_.reserve(count);
   spot_.reserve(count);
   for (uint32_t k = 0; k < count; ++k) {
@@ -63,11 +67,13 @@ std::string Sleepers::restore(ByteReader& in, uint32_t handles) {
     own.entity = in.number<Entity>();
     own.material = in.number<GrainMaterial>();
     own.load = in.number<Load>();
+    own.booked_on = in.number<uint32_t>();
+    own.booked = in.number<vec3>();
     own.propped = in.number<uint8_t>() != 0;
     if (!allowed(own.radius, own.material) || !finite(own.position) || own.entity.index >= handles)
       return fmt::format("sleeper {}: radius {} m, entity {} of {}, a material or a place that is not allowed",
                          k, own.radius, own.entity.index, handles);
-    if (!finite(own.load.impulse) || !finite(own.load.carried))
+    if (!finite(own.load.impulse) || !finite(own.load.moment) || !finite(own.load.carried) || !finite(own.booked))
       return fmt::format("sleeper {}: a load that is not finite", k);
     lay(own);
   }
@@ -117,7 +123,7 @@ std::string Sleepers::restorePairs(ByteReader& in) {
 
 std::string Sleepers::restoreWalls(ByteReader& in) {
   const auto count = in.number<uint32_t>();
-  if (!in.has(count, 44)) return fmt::format("{} sleepers on colliders reach beyond the end", count);
+  if (!in.has(count, 52)) return fmt::format("{} sleepers on colliders reach beyond the end", count);
   std::vector<uint32_t> owner;
   owner.reserve(count);
   wall_.node.reserve(count);
@@ -128,13 +134,16 @@ std::string Sleepers::restoreWalls(ByteReader& in) {
     node.impulse = in.number<vec3>();
     node.rolling = in.number<vec3>();
     node.normal = in.number<vec3>();
+    node.friction = in.number<float>();
+    node.pull = in.number<float>();
     const bool later =
         k == 0 || owner[k - 1] < owner[k] ||
         (owner[k - 1] == owner[k] && wall_.node.back().key < node.key);
     if (owner[k] >= count_ || !later)
       return fmt::format("sleepers on colliders are out of order at {}: sleeper {} of {}", k, owner[k],
                          count_);
-    if (!finite(node.impulse) || !finite(node.rolling) || !finite(node.normal))
+    if (!finite(node.impulse) || !finite(node.rolling) || !finite(node.normal) ||
+        !finite(node.friction) || !finite(node.pull))
       return fmt::format("sleeper {} presses on a collider with an impulse that is not finite", owner[k]);
     wall_.node.push_back(node);
   }
@@ -146,9 +155,12 @@ std::string Sleepers::restoreWalls(ByteReader& in) {
   std::vector<uint32_t> keys;
   keys.reserve(count);
   for (const WallNode& node : wall_.node) keys.push_back(colliderKey(node.key));
+  each([&](uint32_t berth) {
+    if (sleeper_[berth].booked_on != kNoSlot) keys.push_back(sleeper_[berth].booked_on);
+  });
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  for (const uint32_t key : keys) wall_load_.push_back({key, 0, {}});
+  for (const uint32_t key : keys) wall_load_.push_back({key, 0, 0, {}});
   for (uint32_t k = 0; k < count; ++k) {
     const WallNode& node = wall_.node[k];
     const uint32_t key = colliderKey(node.key);
@@ -160,6 +172,13 @@ std::string Sleepers::restoreWalls(ByteReader& in) {
     for (int axis = 0; axis < 3; ++axis)
       load.impulse[static_cast<size_t>(axis)].add(node.impulse[axis]);
   }
+  each([&](uint32_t berth) {
+    const Sleeper& own = sleeper_[berth];
+    if (own.booked_on == kNoSlot) return;
+    WallLoad& load = wallLoad(own.booked_on);
+    ++load.bookings;
+    for (int axis = 0; axis < 3; ++axis) load.impulse[static_cast<size_t>(axis)].add(own.booked[axis]);
+  });
   contacts_ += count;
   return {};
 }

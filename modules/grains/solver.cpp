@@ -101,11 +101,11 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
     guard(colliders, static_cast<float>(substep + 1) / static_cast<float>(substeps));
   }
   addSleepersLoads(colliders, substeps);
-  findUnbalanced(gravity_step);
   writeRows(tables, parameters, dt);
   measure();
-  wake(tables, gravity_step);
   settle(tables, parameters, gravity_step, dt);
+  findUnbalanced(gravity_step);
+  wake(tables, gravity_step);
   strikes_.close();
   adopt_due_ = adopt_due_ || !lost_.empty() || !refused_.empty();
 }

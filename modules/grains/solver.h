@@ -128,6 +128,7 @@ class GrainSolver {
               vec3 gravity_step, float dt);
   void layToSleep(std::span<const GrainRows> tables, vec3 gravity_step);
   void addPairLoad(const PairSlab& slab, uint32_t contact);
+  void bookLeftOver(vec3 gravity_step);
   void addSleepersLoads(std::span<Collider> colliders, int substeps) const;
 
   // Searches, in solver_search.cpp.
@@ -198,6 +199,15 @@ class GrainSolver {
   // Of sleep.
   std::vector<uint32_t> waking_;  // berths
   std::vector<uint32_t> partners_, falling_;
+  // Contacts of sleepers with grains awake, by the sleeper, then the other.
+  struct BorderContact {
+    Entity sleeper, other;
+    uint32_t berth, slab, contact;
+    bool first;  // the sleeper is the contact's grain i
+  };
+  std::vector<BorderContact> border_;
+  std::vector<uint32_t> uneasy_, unpropped_;  // berths
+  std::vector<Touch> touches_;
   std::vector<uint8_t> settled_;  // by slot
   std::vector<Load> load_;        // by slot
   std::vector<WokenPair> woken_pairs_;  // since the last search

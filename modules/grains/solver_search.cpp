@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "modules/grains/company.h"
 #include "modules/grains/solver.h"
@@ -101,7 +102,7 @@ void GrainSolver::gatherNear(float h) {
       if (!isAsleep(bodies_, k)) continue;
       Sleeper& sleeper = sleepers_[bodies_.berth[k]];
       sleeper.slot = kNoSlot;
-      sleeper.propped = false;
+      if (std::exchange(sleeper.propped, false)) unpropped_.push_back(bodies_.berth[k]);
       sleeper.slot_before = before;
       partners_.push_back(bodies_.berth[k]);
       continue;

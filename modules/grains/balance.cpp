@@ -1,0 +1,237 @@
+// Sleepers beside grains awake: what presses on them changes, and their contacts follow, or they wake.
+//
+// A packing with friction can bear the same load in many ways, and the impulses of those awake wander
+// among them. A sleeper that woke whenever they had wandered far would be let go with all that had
+// come together, push its neighbours, and wake them in turn. So its contacts are first changed as
+// little as balances it, which passes the change on to its neighbours asleep and, as the reaction, to
+// those awake; it wakes if contacts that press, within Coulomb's limit, cannot hold it.
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "modules/grains/cohesion.h"
+#include "modules/grains/rest.h"
+#include "modules/grains/solver.h"
+
+namespace scree::grains {
+namespace {
+
+using dvec3 = glm::dvec3;
+
+float length(vec3 v) { return std::sqrt(glm::dot(v, v)); }
+
+// Whether more than a share of what is allowed is left over.
+bool uneasy(const Load& load, float weight, float share = 1) {
+  const float most = share * (kUneasy * weight + kUneasyShare * load.carried);
+  return !(glm::dot(load.impulse, load.impulse) <= most * most) ||
+         !(glm::dot(load.moment, load.moment) <= most * most);
+}
+
+float pullBetween(const Sleeper& a, const Sleeper& b) {
+  return pullOf(a.material.cohesion, b.material.cohesion, reducedRadius(a.radius, b.radius));
+}
+
+void addTouch(Load& load, const Touch& touch) {
+  load.impulse += touch.impulse;
+  load.moment -= glm::cross(touch.normal, touch.impulse);
+  load.carried += length(touch.impulse);
+}
+
+// The changes w (l + m x a) of the pulls, a = -normal and w = their size, that take force and moment
+// off: the least sum of change^2 / w. Normal equations of l and m, by Cholesky.
+class LeastChange {
+ public:
+  void add(const Touch& touch) {
+    const dvec3 a = -dvec3(touch.normal);
+    const double w = static_cast<double>(length(touch.impulse));
+    // Columns of the cross product with a, and of its square.
+    const double x[3][3] = {{0, -a.z, a.y}, {a.z, 0, -a.x}, {-a.y, a.x, 0}};
+    const double square = glm::dot(a, a);
+    for (size_t r = 0; r < 3; ++r) {
+      matrix_[r][r] += w;
+      for (size_t c = 0; c < 3; ++c) {
+        const int ar = static_cast<int>(r), ac = static_cast<int>(c);
+        matrix_[3 + r][c] += w * x[r][c];
+        matrix_[3 + r][3 + c] += w * ((r == c ? square : 0.0) - a[ar] * a[ac]);
+      }
+    }
+  }
+  // False if the pulls cannot be told apart from none.
+  bool solve(vec3 force, vec3 moment) {
+    double trace = 0;
+    for (size_t k = 0; k < 6; ++k) trace += matrix_[k][k];
+    if (!(trace > 0)) return false;
+    for (size_t k = 0; k < 6; ++k) matrix_[k][k] += 1e-6 * trace;  // few contacts: singular
+    std::array<double, 6> x{-force.x, -force.y, -force.z, -moment.x, -moment.y, -moment.z};
+    for (size_t c = 0; c < 6; ++c) {
+      for (size_t k = 0; k < c; ++k) matrix_[c][c] -= matrix_[c][k] * matrix_[c][k];
+      matrix_[c][c] = std::sqrt(matrix_[c][c]);
+      for (size_t r = c + 1; r < 6; ++r) {
+        for (size_t k = 0; k < c; ++k) matrix_[r][c] -= matrix_[r][k] * matrix_[c][k];
+        matrix_[r][c] /= matrix_[c][c];
+      }
+    }
+    for (size_t r = 0; r < 6; ++r) {
+      for (size_t k = 0; k < r; ++k) x[r] -= matrix_[r][k] * x[k];
+      x[r] /= matrix_[r][r];
+    }
+    for (size_t r = 6; r-- > 0;) {
+      for (size_t k = r + 1; k < 6; ++k) x[r] -= matrix_[k][r] * x[k];
+      x[r] /= matrix_[r][r];
+    }
+    l_ = {x[0], x[1], x[2]};
+    m_ = {x[3], x[4], x[5]};
+    return true;
+  }
+  vec3 changeOf(const Touch& touch) const {
+    return vec3(static_cast<double>(length(touch.impulse)) * (l_ + glm::cross(m_, -dvec3(touch.normal))));
+  }
+
+ private:
+  double matrix_[6][6] = {};  // its lower half
+  dvec3 l_{0}, m_{0};
+};
+
+// The impulse with the part along the normal and as much across as the contact can bear.
+vec3 bearablePart(const Touch& touch, vec3 impulse, float h) {
+  const float along = glm::dot(touch.normal, impulse), grip = touch.pull * h;
+  const float n = std::max(along, -grip);
+  const vec3 across = impulse - along * touch.normal;
+  const float size = length(across), most = touch.friction * (n + grip);
+  return n * touch.normal + (size > most ? most / size : 1.0f) * across;
+}
+
+// What Coulomb's limit cuts off is sought again, at most so often, to a tenth of what is allowed.
+constexpr int kTurns = 4;
+constexpr float kAim = 0.1f;
+
+}  // namespace
+
+bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Touch> outer,
+                       std::vector<uint32_t>& touched) {
+  Sleeper& own = sleeper_[berth];
+  const float weight = grainMass(own.radius, own.material.density) * length(gravity_step);
+  Load load = own.load;
+  for (const Touch& touch : outer) addTouch(load, touch);
+  if (!uneasy(load, weight)) return true;
+  // Not a wandering, but a blow.
+  const float blow = kBlow * (weight + own.load.carried);
+  if (!(glm::dot(load.impulse, load.impulse) <= blow * blow)) return false;
+
+  touches_.assign(outer.begin(), outer.end());
+  for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
+    const Sleeper& other = sleeper_[pair_.node[at].other];
+    touches_.push_back({normalOf(own, other), pair_.node[at].impulse,
+                        std::sqrt(own.material.friction * other.material.friction),
+                        pullBetween(own, other)});
+  }
+  for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next)
+    touches_.push_back({wall_.node[at].normal, wall_.node[at].impulse, wall_.node[at].friction,
+                        wall_.node[at].pull});
+
+  for (int turn = 0; turn < kTurns && (turn == 0 || uneasy(load, weight, kAim)); ++turn) {
+    LeastChange least;
+    for (const Touch& touch : touches_) least.add(touch);
+    if (!least.solve(load.impulse, load.moment)) return false;
+    for (Touch& touch : touches_) {
+      const vec3 before = touch.impulse;
+      touch.impulse = bearablePart(touch, touch.impulse + least.changeOf(touch), h);
+      const vec3 change = touch.impulse - before;
+      load.impulse += change;
+      load.moment -= glm::cross(touch.normal, change);
+    }
+  }
+  if (uneasy(load, weight)) return false;
+
+  size_t k = outer.size();
+  std::copy_n(touches_.begin(), k, outer.begin());
+  for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next, ++k) {
+    PairNode& node = pair_.node[at];
+    node.impulse = touches_[k].impulse;
+    uint32_t back = sleeper_[node.other].pairs;
+    while (pair_.node[back].other != berth) back = pair_.node[back].next;
+    pair_.node[back].impulse = -node.impulse;
+    weigh(node.other, gravity_step);
+    touched.push_back(node.other);
+  }
+  for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next, ++k)
+    pressWall(wall_.node[at], touches_[k].impulse);
+  weigh(berth, gravity_step);
+  return true;
+}
+
+// Sleepers on which those awake press otherwise than before.
+void GrainSolver::findUnbalanced(vec3 gravity_step) {
+  if (sleepers_.count() == 0) {
+    unpropped_.clear();
+    return;
+  }
+  border_.clear();
+  for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
+    const PairSlab& slab = pairs_.slab[s];
+    for (const uint32_t c : slab.border) {
+      const bool first = isAsleep(bodies_, slab.i[c]);
+      const uint32_t sleeper = first ? slab.i[c] : slab.j[c], other = first ? slab.j[c] : slab.i[c];
+      if (!isAsleep(bodies_, sleeper) || !isAwake(bodies_, other)) continue;
+      border_.push_back({bodies_.entity[sleeper], bodies_.entity[other], bodies_.berth[sleeper], s, c, first});
+    }
+  }
+  std::sort(border_.begin(), border_.end(), [](const BorderContact& a, const BorderContact& b) {
+    return a.sleeper != b.sleeper ? a.sleeper < b.sleeper : a.other < b.other;
+  });
+  uneasy_.clear();
+  falling_.assign(unpropped_.begin(), unpropped_.end());
+  unpropped_.clear();
+  for (size_t k = 0; k < border_.size(); ++k) {
+    const BorderContact& contact = border_[k];
+    Sleeper& sleeper = sleepers_[contact.berth];
+    if (k == 0 || contact.berth != border_[k - 1].berth) {
+      uneasy_.push_back(contact.berth);
+      if (std::exchange(sleeper.propped, false)) falling_.push_back(contact.berth);
+    }
+    sleeper.propped = sleeper.propped || pairs_.slab[contact.slab].carriesImpulse(contact.contact);
+  }
+  // Each round lets the imbalance spread by a grain; what is left is small, and waits for the next tick.
+  for (int round = 0; round < kRounds && !uneasy_.empty(); ++round) {
+    partners_.clear();
+    for (const uint32_t berth : uneasy_) {
+      Sleeper& sleeper = sleepers_[berth];
+      const auto begin = std::lower_bound(
+          border_.begin(), border_.end(), sleeper.entity,
+          [](const BorderContact& contact, Entity entity) { return contact.sleeper < entity; });
+      auto end = begin;
+      touches_.clear();
+      for (; end != border_.end() && end->berth == berth; ++end) {
+        const PairSlab& slab = pairs_.slab[end->slab];
+        const Body &i = bodies_.body[slab.i[end->contact]], &j = bodies_.body[slab.j[end->contact]];
+        const vec3 d = i.position - j.position;
+        const float sign = end->first ? 1.0f : -1.0f;
+        const float distance = std::max(length(d), 1e-18f);
+        touches_.push_back({d * (sign / distance), sign * slab.impulseAt(end->contact),
+                            i.friction_root * j.friction_root, slab.pullAt(end->contact)});
+      }
+      if (!sleepers_.balance(berth, gravity_step, last_h_, touches_, partners_)) {
+        waking_.push_back(berth);
+        continue;
+      }
+      falling_.push_back(berth);
+      for (auto at = begin; at != end; ++at) {
+        const vec3 impulse = touches_[static_cast<size_t>(at - begin)].impulse;
+        pairs_.slab[at->slab].setImpulse(at->contact, at->first ? impulse : -impulse);
+      }
+    }
+    std::sort(partners_.begin(), partners_.end(), [&](uint32_t a, uint32_t b) {
+      return sleepers_[a].entity < sleepers_[b].entity;
+    });
+    partners_.erase(std::unique(partners_.begin(), partners_.end()), partners_.end());
+    falling_.insert(falling_.end(), partners_.begin(), partners_.end());
+    std::swap(uneasy_, partners_);
+  }
+  partners_.clear();
+  bookLeftOver(gravity_step);
+}
+
+}  // namespace scree::grains
