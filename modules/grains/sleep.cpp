@@ -98,12 +98,31 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
     for (const uint32_t slot : {slab.i[c], slab.j[c]})
       load_[slot] = isAsleep(bodies_, slot) ? sleepers_[bodies_.berth[slot]].load : Load{};
   });
+  if (!clumps_.empty())
+    eachBorder([&](const PairSlab& slab, uint32_t c) {
+      const uint32_t slot = isAsleep(bodies_, slab.i[c]) ? slab.i[c] : slab.j[c];
+      if (!isAsleep(bodies_, slot)) return;
+      sleepers_.eachOfClump(bodies_.berth[slot], [&](uint32_t berth) {
+        if (sleepers_[berth].slot != kNoSlot) load_[sleepers_[berth].slot] = sleepers_[berth].load;
+      });
+    });
   eachBorder([&](const PairSlab& slab, uint32_t c) { addPairLoad(slab, c); });
   eachBorder([&](const PairSlab& slab, uint32_t c) {
     const uint32_t slot = isAsleep(bodies_, slab.i[c]) ? slab.i[c] : slab.j[c];
-    const Load& load = load_[slot];
+    Load load = load_[slot];
     const Sleeper& sleeper = sleepers_[bodies_.berth[slot]];
-    const float weight = grainMass(sleeper.radius, sleeper.material.density) * length(gravity_step);
+    float weight = grainMass(sleeper.radius, sleeper.material.density) * length(gravity_step);
+    if (sleeper.ring != kNoSlot) {
+      load = {};
+      weight = 0;
+      sleepers_.eachOfClump(bodies_.berth[slot], [&](uint32_t berth) {
+        const Sleeper& member = sleepers_[berth];
+        const Load& own = member.slot != kNoSlot ? load_[member.slot] : member.load;
+        load.impulse += own.impulse;
+        load.carried += own.carried;
+        weight += grainMass(member.radius, member.material.density) * length(gravity_step);
+      });
+    }
     if (length(load.impulse) > kUnbalanced * weight + kUnbalancedShare * load.carried)
       waking_.push_back(bodies_.berth[slot]);
   });
@@ -112,6 +131,9 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
 // Wakes those in waking_.
 void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
   if (waking_.empty()) return;
+  if (!clumps_.empty())
+    for (size_t k = waking_.size(); k-- > 0;)
+      sleepers_.eachOfClump(waking_[k], [&](uint32_t berth) { waking_.push_back(berth); });
   std::sort(waking_.begin(), waking_.end());
   waking_.erase(std::unique(waking_.begin(), waking_.end()), waking_.end());
   partners_.clear();
@@ -134,6 +156,7 @@ void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
           [](const GrainRows& table, size_t k, uint32_t) {
             if (!table.rest.empty()) table.rest[k] = {table.grain[k].position, 0, false};
           });
+  rouseClumps(awake_sorted_);
   sortAwake();
   stats_.woken += static_cast<uint32_t>(waking_.size());
   waking_.clear();
@@ -164,6 +187,7 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     settled_[slot] = kStill;
     ++due;
   });
+  settleClumps(kStill);
   if (due == 0) return;
   const uint32_t listed = pairs_.bodyCount();
   const auto eachContact = [&](const auto& visit) {
@@ -177,6 +201,7 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     if ((i & kStill) == 0) j |= kHeldUp;
     if ((j & kStill) == 0) i |= kHeldUp;
   });
+  settleClumps(kStill);
   refill(load_, bodies_.count, Load{});
   eachContact([&](const PairSlab& slab, uint32_t c) { addPairLoad(slab, c); });
   for (uint32_t s = 0; s < walls_.slab_count; ++s)
@@ -189,8 +214,9 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     uint8_t& settled = settled_[awake.slot];
     if (settled != kStill) continue;
     const Body& body = bodies_.body[awake.slot];
-    const float mass = grainMass(body.radius, bodies_.material[awake.slot].density);
-    const Load& load = load_[awake.slot];
+    float mass = grainMass(body.radius, bodies_.material[awake.slot].density);
+    Load load = load_[awake.slot];
+    if (!bodies_.clump.empty()) loadOfClump(awake.slot, mass, load);
     if (length(load.impulse + mass * gravity_step) >
         kBalanced * mass * length(gravity_step) + kBalancedShare * load.carried)
       continue;
@@ -235,6 +261,7 @@ void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_ste
   }
   awake_.resize(stay);
   awake_sorted_ = stay;
+  layClumps();
 
   const uint32_t listed = pairs_.bodyCount();
   for (uint32_t k = 0; k < bodies_.count; ++k)

@@ -147,9 +147,22 @@ void Sleepers::weigh(uint32_t berth, vec3 gravity_step) {
   for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) add(pair_.node[at].impulse);
 }
 
+float Sleepers::heightOf(uint32_t berth, vec3 up) const {
+  if (sleeper_[berth].ring == kNoSlot) return glm::dot(sleeper_[berth].position, up);
+  float mass = 0, sum = 0;
+  eachOfClump(berth, [&](uint32_t at) {
+    const float own = grainMass(sleeper_[at].radius, sleeper_[at].material.density);
+    mass += own;
+    sum += own * glm::dot(sleeper_[at].position, up);
+  });
+  return sum / mass;
+}
+
 void Sleepers::passDown(std::vector<uint32_t>& berths, vec3 gravity_step) {
   const float g = std::sqrt(glm::dot(gravity_step, gravity_step));
   const vec3 up = g > 0 ? gravity_step * (-1 / g) : vec3(0);
+  std::vector<uint32_t>& hooks = hooks_;
+  hooks.clear();
   const auto lower = [&](uint32_t a, uint32_t b) {  // the highest is on top of the heap
     const float ha = glm::dot(sleeper_[a].position, up), hb = glm::dot(sleeper_[b].position, up);
     return ha != hb ? ha < hb : sleeper_[b].entity < sleeper_[a].entity;
@@ -159,37 +172,63 @@ void Sleepers::passDown(std::vector<uint32_t>& berths, vec3 gravity_step) {
     std::pop_heap(berths.begin(), berths.end(), lower);
     const uint32_t berth = berths.back();
     berths.pop_back();
-    weigh(berth, gravity_step);
-    Sleeper& own = sleeper_[berth];
-    const vec3 left = own.load.impulse;
-    const float weight = grainMass(own.radius, own.material.density) * g;
-    if (own.propped || !(glm::dot(left, left) > 1e-10f * weight * weight)) continue;
+    // Of a clump, as a whole.
+    vec3 left(0);
+    float weight = 0;
+    bool propped = false;
+    eachOfClump(berth, [&](uint32_t member) {
+      weigh(member, gravity_step);
+      const Sleeper& own = sleeper_[member];
+      left = own.ring == kNoSlot || own.member == 0 ? own.load.impulse : left + own.load.impulse;
+      weight += grainMass(own.radius, own.material.density) * g;
+      propped = propped || own.propped;
+    });
+    if (propped || !(glm::dot(left, left) > 1e-10f * weight * weight)) continue;
     // Of the contacts at the lower side, the one that bears most.
     constexpr float kSteep = 0.3f;  // a support's direction, at least so much down
-    float most = 0;
-    uint32_t pair = kNoSlot, wall = kNoSlot;
-    for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
-      const Sleeper& other = sleeper_[pair_.node[at].other];
-      const float bears = glm::dot(pair_.node[at].impulse, up);
-      if (bears > most && glm::dot(own.position - other.position, up) >
-                              kSteep * (own.radius + other.radius)) {
+    float most = 0, most_hooked = 0;
+    uint32_t pair = kNoSlot, wall = kNoSlot, bearer = berth, hooked = kNoSlot, hook = kNoSlot;
+    eachOfClump(berth, [&](uint32_t member) {
+      const Sleeper& own = sleeper_[member];
+      for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
+        const Sleeper& other = sleeper_[pair_.node[at].other];
+        const float bears = glm::dot(pair_.node[at].impulse, up);
+        const bool steep = glm::dot(own.position - other.position, up) > kSteep * (own.radius + other.radius);
+        const bool clumps = own.ring != kNoSlot || other.ring != kNoSlot;
+        if (clumps && !(steep && heightOf(pair_.node[at].other, up) < heightOf(member, up))) {
+          if (!(bears > most_hooked)) continue;
+          most_hooked = bears;
+          hooked = at;
+          hook = member;
+          continue;
+        }
+        if (!(bears > most && steep)) continue;
         most = bears;
         pair = at;
+        bearer = member;
       }
-    }
-    for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) {
-      const float bears = glm::dot(wall_.node[at].impulse, up);
-      if (bears > most && glm::dot(wall_.node[at].normal, up) > kSteep) {
-        most = bears;
-        pair = kNoSlot;
-        wall = at;
+      for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) {
+        const float bears = glm::dot(wall_.node[at].impulse, up);
+        if (bears > most && glm::dot(wall_.node[at].normal, up) > kSteep) {
+          most = bears;
+          pair = kNoSlot;
+          wall = at;
+          bearer = member;
+        }
       }
+    });
+    // Clumps that hook into each other could pass it round for ever: each does so a few times.
+    constexpr uint8_t kMostHooks = 8;
+    if (pair == kNoSlot && wall == kNoSlot && hooked != kNoSlot && sleeper_[hook].hooks < kMostHooks) {
+      if (sleeper_[hook].hooks++ == 0) hooks.push_back(hook);
+      pair = hooked;
+      bearer = hook;
     }
     if (pair != kNoSlot) {
       pair_.node[pair].impulse -= left;
       const uint32_t other = pair_.node[pair].other;
       uint32_t back = sleeper_[other].pairs;
-      while (pair_.node[back].other != berth) back = pair_.node[back].next;
+      while (pair_.node[back].other != bearer) back = pair_.node[back].next;
       pair_.node[back].impulse = -pair_.node[pair].impulse;
       berths.push_back(other);
       std::push_heap(berths.begin(), berths.end(), lower);
@@ -202,8 +241,9 @@ void Sleepers::passDown(std::vector<uint32_t>& berths, vec3 gravity_step) {
         load.impulse[a].add(wall_.node[wall].impulse[axis]);
       }
     }
-    weigh(berth, gravity_step);
+    weigh(bearer, gravity_step);
   }
+  for (const uint32_t berth : hooks) sleeper_[berth].hooks = 0;
 }
 
 void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<WokenWall>& walls,
@@ -254,7 +294,7 @@ size_t Sleepers::memoryBytes() const {
   return sleeper_.capacity() * sizeof(Sleeper) + spot_.capacity() * sizeof(Spot) +
          pair_.node.capacity() * sizeof(PairNode) + wall_.node.capacity() * sizeof(WallNode) +
          wall_load_.capacity() * sizeof(WallLoad) + bucket_.capacity() * sizeof(uint32_t) +
-         occupied_.capacity() * sizeof(uint64_t);
+         occupied_.capacity() * sizeof(uint64_t) + hooks_.capacity() * sizeof(uint32_t);
 }
 
 }  // namespace scree::grains

@@ -47,6 +47,8 @@ struct Sleeper {
   bool propped = false;  // a contact with a grain awake bears on it
   uint32_t pairs = kNoSlot, walls = kNoSlot;  // first contacts in the lists of Sleepers
   uint32_t row = 0;
+  uint32_t ring = kNoSlot, member = 0;  // of a clump: the next member's berth; its number
+  uint8_t hooks = 0;     // working memory of passDown()
   Entity entity;
   GrainMaterial material;
   Load load;  // of gravity, of other sleepers and of colliders, a substep
@@ -91,6 +93,17 @@ class Sleepers {
   // A contact of sleepers a and b; impulses on a.
   void lean(uint32_t a, uint32_t b, vec3 impulse, vec3 rolling);
   void leanOn(uint32_t berth, const ColliderContact& contact);
+  // Calls visit(berth) for the sleeper and those of its clump, the first member first.
+  template <class Visit>
+  void eachOfClump(uint32_t berth, const Visit& visit) const {
+    if (sleeper_[berth].ring == kNoSlot) return visit(berth);
+    while (sleeper_[berth].member != 0) berth = sleeper_[berth].ring;
+    const uint32_t first = berth;
+    do {
+      visit(berth);
+      berth = sleeper_[berth].ring;
+    } while (berth != first);
+  }
   // Sums what the sleeper bears. After its contacts have changed.
   void weigh(uint32_t berth, vec3 gravity_step);
   // Weighs these, and lets each that is not propped pass on what its contacts leave over to the lower
@@ -146,6 +159,8 @@ class Sleepers {
   };
 
   static int levelOf(float radius);
+  // The height of the clump's centre of mass, or of the sleeper.
+  float heightOf(uint32_t berth, vec3 up) const;
   // Of the cells along x: bucket_[(bucketRow + x) & mask].
   static uint32_t bucketRow(int level, int32_t y, int32_t z);
   uint32_t bucketOf(const Spot& spot) const;
@@ -163,6 +178,7 @@ class Sleepers {
   Pool<PairNode> pair_;
   Pool<WallNode> wall_;
   std::vector<WallLoad> wall_load_;  // by key
+  std::vector<uint32_t> hooks_;      // working memory of passDown(): berths
   std::vector<uint32_t> bucket_;     // first berth
   std::vector<uint64_t> occupied_;   // a bit a bucket: not empty
   // Cells of level l are 2^(l + kLowestLevel) m wide: at least a diameter of those in them.

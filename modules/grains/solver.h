@@ -19,6 +19,7 @@
 #include "engine/core/bytes.h"
 #include "engine/core/result.h"
 #include "modules/grains/awake_rows.h"
+#include "modules/grains/clumps.h"
 #include "modules/grains/collider.h"
 #include "modules/grains/contacts.h"
 #include "modules/grains/forces.h"
@@ -60,6 +61,14 @@ struct StepParameters {
 // Length of a substep, s.
 float substepOf(const StepParameters& parameters);
 
+// Where a member's row is.
+struct ClumpRow {
+  GrainClump clump;
+  Entity entity;
+  uint32_t table;
+  size_t row;
+};
+
 // Whether anybody but step() has written, added, removed or moved rows since the last step.
 enum class RowsAre : uint32_t { Unknown, AsLeft };
 
@@ -79,6 +88,8 @@ class GrainSolver {
   // bounds. The caller removes them; until then they are reported, and stay as they are.
   const std::vector<Entity>& refused() const { return refused_; }
   const std::vector<Entity>& lost() const { return lost_; }
+  // Grains with a GrainClump whose clump is not whole: free from now on. The caller removes it.
+  const std::vector<Entity>& broken() const { return broken_; }
   const GrainStats& stats() const { return stats_; }
   // Of the last step, if its parameters asked for them.
   std::span<const Strike> strikes() const { return strikes_.found(); }
@@ -117,6 +128,18 @@ class GrainSolver {
   void setPlace(Entity entity, uint32_t place);
   uint32_t appendBody(Entity entity, const GrainMaterial& material, vec3 position, float radius);
   void sortAwake();
+
+  // Clumps, in clump_rows.cpp.
+  void adoptClumps(std::span<const GrainRows> tables);
+  bool takeClump(std::span<const ClumpRow> rows, std::span<const GrainRows> tables);
+  void linkSleepers(const Clump& clump);
+  void rouseClumps(size_t first_awake);
+  void layClumps();
+  void loseClumps();
+  bool meetsOwnOnly(uint32_t slot) const;
+  void settleClumps(uint8_t still);
+  void loadOfClump(uint32_t slot, float& mass, Load& load) const;
+  void mend(std::span<const Collider> colliders, float t1);
 
   // Sleep, in sleep.cpp.
   void findDisturbed(std::span<const Collider> colliders, const StepParameters& parameters);
@@ -169,6 +192,8 @@ class GrainSolver {
   // A slot is a grain's place in the solver's arrays: sorted by cell, changed by each search.
   Bodies bodies_, sorted_;
   Sleepers sleepers_;
+  Clumps clumps_;
+  std::vector<ClumpRow> clump_rows_;  // working memory
   Grid grid_;
   const Kernels* kernels_ = &kBaselineKernels;
   PairLists pairs_;
@@ -210,7 +235,7 @@ class GrainSolver {
   Strikes strikes_;
 
   vec3 last_gravity_{0};
-  std::vector<Entity> refused_, lost_;
+  std::vector<Entity> refused_, lost_, broken_;
   GrainStats stats_;
   size_t memory_ = 0;
   vec3 drift_{0};         // velocity that margins are measured against, m/s
