@@ -9,8 +9,9 @@
 // Mass: density x volume of the spheres' union, by formula for two spheres, and to 1e-3 for more. It is
 // shared by the spheres' volumes, so that a member's GrainMaterial::density is below the solid's where
 // they overlap; region sensors and sinks add up to the whole. Centre of mass and inertia are those of the
-// members as solid spheres of that density: exact as long as they do not overlap; of a bean (two equal
-// spheres, a radius apart) the inertia is 2 % too large along it, 3 % too small across; see README.md.
+// members as solid spheres of that density: exact where they do not overlap, else too small. Measured
+// against points in the union: tetrapod 0.01 %, triangle 2 %, bolt 6 % (its centre of mass 0.05 radii off),
+// bean 6 % along it and 12 % across, rod 9 % and 13 %.
 #pragma once
 
 #include <array>

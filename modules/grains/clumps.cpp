@@ -261,9 +261,9 @@ void Clumps::place(Bodies& bodies, vec3 gravity_step, float h, float keep) {
     const dvec3 centre = m.centre + dvec3(m.shift + m.bounce + h * (m.velocity - half * change));
 
     const dmat3 start = glm::mat3_cast(dquat(clump.rotation));
-    const dmat3 inertia = start * clump.inertia * glm::transpose(start);
-    const dvec3 momentum = inertia * dvec3(m.spin);
-    const dvec3 on_the_way = inertia * dvec3(m.spin - half * (m.spin - m.spin_before));
+    const auto momentumOf = [&](vec3 spin) { return start * (clump.inertia * (dvec3(spin) * start)); };
+    const dvec3 momentum = momentumOf(m.spin);
+    const dvec3 on_the_way = half == 0 ? momentum : momentumOf(m.spin - half * (m.spin - m.spin_before));
     const dquat corrected = turned(dquat(clump.rotation), 0.5 * dvec3(m.turn));
     const dvec3 middle = midMomentum(on_the_way * glm::mat3_cast(corrected), clump.inverse_inertia, h);
     const dvec3 half_turn = 0.5 * static_cast<double>(h) * (clump.inverse_inertia * middle);

@@ -223,13 +223,17 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
     clumps_.project(bodies_);
     clumps_.noteShifts(bodies_);
   }
-  bounce();
-  if (clumps) clumps_.noteBounces(bodies_);
+  if (bounce() && clumps) clumps_.noteBounces(bodies_);
 }
 
-// Moves grains that bounced to where the impact within the substep leaves them.
-void GrainSolver::bounce() {
-  eachBounce([&](uint32_t slot, vec3 shift) { bodies_.body[slot].position += shift; });
+// Moves grains that bounced to where the impact within the substep leaves them; true if any did.
+bool GrainSolver::bounce() {
+  bool any = false;
+  eachBounce([&](uint32_t slot, vec3 shift) {
+    bodies_.body[slot].position += shift;
+    any = true;
+  });
+  return any;
 }
 
 // Sums the impulses on sensed colliders, in the order of the lists.

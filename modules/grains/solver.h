@@ -180,7 +180,7 @@ class GrainSolver {
   void shareHeavyLoads();
   void predict(vec3 gravity_step, float h, std::span<const Force> forces);
   void relax(std::span<Collider> colliders, const StepParameters& parameters, float h, int substep);
-  void bounce();
+  bool bounce();
   // Calls visit(slot, shift) for the grains that bounced.
   template <class Visit>
   void eachBounce(const Visit& visit) const;

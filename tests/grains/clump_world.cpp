@@ -75,7 +75,8 @@ TEST(ClumpWorld, EmitterCountsClumpsAndSinkSwallowsThemWhole) {
     EXPECT_LE(deepestOfStrangers(level.world), 1e-3);
     if (level.world.peek<GrainSink>(sink)->count == 0) {
       emitted_mass = 0;
-      for (const auto& [entity, s] : level.seen()) emitted_mass += Level::massOf(s) / static_cast<double>(level.count());
+      for (const auto& [entity, s] : level.seen())
+        emitted_mass += Level::massOf(s) / static_cast<double>(level.count());
     }
   }
   EXPECT_EQ(level.count(), 0u);

@@ -123,7 +123,7 @@ TEST(Clump, TumblesAsEulerSays) {
     EXPECT_LT(lost, 1e-4);
     EXPECT_LT(highest, 1 + 2e-5);
     EXPECT_GT(lowest, 1 - 2e-5);
-    EXPECT_LT(off, 0.05);  // after 50 rad
+    EXPECT_LT(off, 0.01);  // after 50 rad
     EXPECT_LT(field.bent(), 1e-5);
   }
 }
