@@ -36,16 +36,16 @@ float pullBetween(const Sleeper& a, const Sleeper& b) {
 
 void addTouch(Load& load, const Touch& touch) {
   load.impulse += touch.impulse;
-  load.moment -= glm::cross(touch.normal, touch.impulse);
+  load.moment += glm::cross(touch.arm, touch.impulse);
   load.carried += length(touch.impulse);
 }
 
-// The changes w (l + m x a) of the pulls, a = -normal and w = their size, that take force and moment
+// The changes w (l + m x a) of what touches, a = its arm and w = the impulse's size, that take force and moment
 // off: the least sum of change^2 / w. Normal equations of l and m, by Cholesky.
 class LeastChange {
  public:
   void add(const Touch& touch) {
-    const dvec3 a = -dvec3(touch.normal);
+    const dvec3 a(touch.arm);
     const double w = static_cast<double>(length(touch.impulse));
     // Columns of the cross product with a, and of its square.
     const double x[3][3] = {{0, -a.z, a.y}, {a.z, 0, -a.x}, {-a.y, a.x, 0}};
@@ -59,7 +59,7 @@ class LeastChange {
       }
     }
   }
-  // False if the pulls cannot be told apart from none.
+  // False if nothing touches.
   bool solve(vec3 force, vec3 moment) {
     double trace = 0;
     for (size_t k = 0; k < 6; ++k) trace += matrix_[k][k];
@@ -87,7 +87,7 @@ class LeastChange {
     return true;
   }
   vec3 changeOf(const Touch& touch) const {
-    return vec3(static_cast<double>(length(touch.impulse)) * (l_ + glm::cross(m_, -dvec3(touch.normal))));
+    return vec3(static_cast<double>(length(touch.impulse)) * (l_ + glm::cross(m_, dvec3(touch.arm))));
   }
 
  private:
@@ -112,25 +112,54 @@ constexpr float kAim = 0.1f;
 
 bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Touch> outer,
                        std::vector<uint32_t>& touched) {
-  Sleeper& own = sleeper_[berth];
-  const float weight = grainMass(own.radius, own.material.density) * length(gravity_step);
-  Load load = own.load;
-  for (const Touch& touch : outer) addTouch(load, touch);
+  // Arms are measured from the centre of mass, in radii of the largest member.
+  float mass = 0, size = 0;
+  vec3 centre(0);
+  eachOfClump(berth, [&](uint32_t member) {
+    const Sleeper& own = sleeper_[member];
+    const float m = grainMass(own.radius, own.material.density);
+    mass += m;
+    centre += m * own.position;
+    size = std::max(size, own.radius);
+  });
+  centre /= mass;
+  const auto fromCentre = [&](uint32_t member) { return (sleeper_[member].position - centre) / size; };
+  const auto armOf = [&](uint32_t member, vec3 normal) {
+    return fromCentre(member) - normal * (sleeper_[member].radius / size);
+  };
+  Load load;
+  eachOfClump(berth, [&](uint32_t member) {
+    const Sleeper& own = sleeper_[member];
+    load.impulse += own.load.impulse;
+    load.moment += (own.radius / size) * own.load.moment + glm::cross(fromCentre(member), own.load.impulse);
+    load.carried += own.load.carried;
+  });
+  const float weight = mass * length(gravity_step), carried = load.carried;
+  for (Touch& touch : outer) {
+    touch.arm = armOf(touch.berth, touch.normal);
+    addTouch(load, touch);
+  }
   if (!uneasy(load, weight)) return true;
   // Not a wandering, but a blow.
-  const float blow = kBlow * (weight + own.load.carried);
+  const float blow = kBlow * (weight + carried);
   if (!(glm::dot(load.impulse, load.impulse) <= blow * blow)) return false;
 
   touches_.assign(outer.begin(), outer.end());
-  for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
-    const Sleeper& other = sleeper_[pair_.node[at].other];
-    touches_.push_back({normalOf(own, other), pair_.node[at].impulse,
-                        std::sqrt(own.material.friction * other.material.friction),
-                        pullBetween(own, other)});
-  }
-  for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next)
-    touches_.push_back({wall_.node[at].normal, wall_.node[at].impulse, wall_.node[at].friction,
-                        wall_.node[at].pull});
+  eachOfClump(berth, [&](uint32_t member) {
+    const Sleeper& own = sleeper_[member];
+    for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
+      const Sleeper& other = sleeper_[pair_.node[at].other];
+      const vec3 normal = normalOf(own, other);
+      touches_.push_back({member, normal, pair_.node[at].impulse,
+                          std::sqrt(own.material.friction * other.material.friction),
+                          pullBetween(own, other), armOf(member, normal)});
+    }
+    for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) {
+      const WallNode& node = wall_.node[at];
+      touches_.push_back({member, node.normal, node.impulse, node.friction, node.pull,
+                          armOf(member, node.normal)});
+    }
+  });
 
   for (int turn = 0; turn < kTurns && (turn == 0 || uneasy(load, weight, kAim)); ++turn) {
     LeastChange least;
@@ -141,25 +170,27 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
       touch.impulse = bearablePart(touch, touch.impulse + least.changeOf(touch), h);
       const vec3 change = touch.impulse - before;
       load.impulse += change;
-      load.moment -= glm::cross(touch.normal, change);
+      load.moment += glm::cross(touch.arm, change);
     }
   }
   if (uneasy(load, weight)) return false;
 
   size_t k = outer.size();
   std::copy_n(touches_.begin(), k, outer.begin());
-  for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next, ++k) {
-    PairNode& node = pair_.node[at];
-    node.impulse = touches_[k].impulse;
-    uint32_t back = sleeper_[node.other].pairs;
-    while (pair_.node[back].other != berth) back = pair_.node[back].next;
-    pair_.node[back].impulse = -node.impulse;
-    weigh(node.other, gravity_step);
-    touched.push_back(node.other);
-  }
-  for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next, ++k)
-    pressWall(wall_.node[at], touches_[k].impulse);
-  weigh(berth, gravity_step);
+  eachOfClump(berth, [&](uint32_t member) {
+    for (uint32_t at = sleeper_[member].pairs; at != kNoSlot; at = pair_.node[at].next, ++k) {
+      PairNode& node = pair_.node[at];
+      node.impulse = touches_[k].impulse;
+      uint32_t back = sleeper_[node.other].pairs;
+      while (pair_.node[back].other != member) back = pair_.node[back].next;
+      pair_.node[back].impulse = -node.impulse;
+      weigh(node.other, gravity_step);
+      touched.push_back(firstOf(node.other));
+    }
+    for (uint32_t at = sleeper_[member].walls; at != kNoSlot; at = wall_.node[at].next, ++k)
+      pressWall(wall_.node[at], touches_[k].impulse);
+    weigh(member, gravity_step);
+  });
   return true;
 }
 
@@ -189,49 +220,62 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
     const BorderContact& contact = border_[k];
     Sleeper& sleeper = sleepers_[contact.berth];
     if (k == 0 || contact.berth != border_[k - 1].berth) {
-      uneasy_.push_back(contact.berth);
+      uneasy_.push_back(sleepers_.firstOf(contact.berth));
       if (std::exchange(sleeper.propped, false)) falling_.push_back(contact.berth);
     }
     sleeper.propped = sleeper.propped || pairs_.slab[contact.slab].carriesImpulse(contact.contact);
   }
   // Each round lets the imbalance spread by a grain; what is left is small, and waits for the next tick.
-  for (int round = 0; round < kRounds && !uneasy_.empty(); ++round) {
+  for (int round = 0; round < kSpread && !uneasy_.empty(); ++round) {
+    inOrder(uneasy_);
     partners_.clear();
     for (const uint32_t berth : uneasy_) {
-      Sleeper& sleeper = sleepers_[berth];
-      const auto begin = std::lower_bound(
-          border_.begin(), border_.end(), sleeper.entity,
-          [](const BorderContact& contact, Entity entity) { return contact.sleeper < entity; });
-      auto end = begin;
-      touches_.clear();
-      for (; end != border_.end() && end->berth == berth; ++end) {
-        const PairSlab& slab = pairs_.slab[end->slab];
-        const Body &i = bodies_.body[slab.i[end->contact]], &j = bodies_.body[slab.j[end->contact]];
-        const vec3 d = i.position - j.position;
-        const float sign = end->first ? 1.0f : -1.0f;
-        const float distance = std::max(length(d), 1e-18f);
-        touches_.push_back({d * (sign / distance), sign * slab.impulseAt(end->contact),
-                            i.friction_root * j.friction_root, slab.pullAt(end->contact)});
-      }
+      gatherTouches(berth);
       if (!sleepers_.balance(berth, gravity_step, last_h_, touches_, partners_)) {
         waking_.push_back(berth);
         continue;
       }
-      falling_.push_back(berth);
-      for (auto at = begin; at != end; ++at) {
-        const vec3 impulse = touches_[static_cast<size_t>(at - begin)].impulse;
-        pairs_.slab[at->slab].setImpulse(at->contact, at->first ? impulse : -impulse);
+      sleepers_.eachOfClump(berth, [&](uint32_t member) { falling_.push_back(member); });
+      for (size_t k = 0; k < touches_.size(); ++k) {
+        const BorderContact& contact = *touching_[k];
+        pairs_.slab[contact.slab].setImpulse(contact.contact,
+                                             contact.first ? touches_[k].impulse : -touches_[k].impulse);
       }
     }
-    std::sort(partners_.begin(), partners_.end(), [&](uint32_t a, uint32_t b) {
-      return sleepers_[a].entity < sleepers_[b].entity;
-    });
-    partners_.erase(std::unique(partners_.begin(), partners_.end()), partners_.end());
-    falling_.insert(falling_.end(), partners_.begin(), partners_.end());
+    for (const uint32_t berth : partners_)
+      sleepers_.eachOfClump(berth, [&](uint32_t member) { falling_.push_back(member); });
     std::swap(uneasy_, partners_);
   }
   partners_.clear();
   bookLeftOver(gravity_step);
+}
+
+// By entity, each once.
+void GrainSolver::inOrder(std::vector<uint32_t>& berths) const {
+  std::sort(berths.begin(), berths.end(), [&](uint32_t a, uint32_t b) {
+    return sleepers_[a].entity < sleepers_[b].entity;
+  });
+  berths.erase(std::unique(berths.begin(), berths.end()), berths.end());
+}
+
+// In touches_ and touching_: the contacts of a sleeper, or of its clump, with grains awake.
+void GrainSolver::gatherTouches(uint32_t first) {
+  touches_.clear();
+  touching_.clear();
+  sleepers_.eachOfClump(first, [&](uint32_t berth) {
+    auto at = std::lower_bound(
+        border_.begin(), border_.end(), sleepers_[berth].entity,
+        [](const BorderContact& contact, Entity entity) { return contact.sleeper < entity; });
+    for (; at != border_.end() && at->berth == berth; ++at) {
+      const PairSlab& slab = pairs_.slab[at->slab];
+      const Body &i = bodies_.body[slab.i[at->contact]], &j = bodies_.body[slab.j[at->contact]];
+      const vec3 d = i.position - j.position;
+      const float sign = at->first ? 1.0f : -1.0f, distance = std::max(length(d), 1e-18f);
+      touches_.push_back({berth, d * (sign / distance), sign * slab.impulseAt(at->contact),
+                          i.friction_root * j.friction_root, slab.pullAt(at->contact), vec3(0)});
+      touching_.push_back(&*at);
+    }
+  });
 }
 
 }  // namespace scree::grains

@@ -43,6 +43,7 @@ struct Bodies {
   std::vector<GrainMaterial> material;
   std::vector<Reference> reference;
   std::vector<uint32_t> berth;  // of a sleeper, among Sleepers; kAwake; kGone
+  std::vector<uint32_t> clump;  // of a member awake, among Clumps; kNoSlot; empty: no clump is awake
   uint32_t count = 0;  // grains
 };
 

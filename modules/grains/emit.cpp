@@ -76,6 +76,10 @@ class Emission {
     GrainEmitter emitter = *state_.world.peek<GrainEmitter>(entity);
     if (!emitter.on) return;
     std::string wrong = fault(emitter);
+    const ClumpShape* shape = state_.world.peek<ClumpShape>(entity);
+    if (wrong.empty() && shape != nullptr)
+      wrong = faultOfClumps(*shape, emitter.radius * (1 - emitter.radius_jitter),
+                            emitter.radius * (1 + emitter.radius_jitter));
     if (wrong.empty()) wrong = faultOf(*transform, fieldOrigin(state_.world), vec3(emitter.mouth));
     if (!wrong.empty()) {
       refuse(state_.refused_emitters, state_.world, "grains.emit", "GrainEmitter", entity, wrong);
@@ -88,6 +92,7 @@ class Emission {
       count = std::min(count, emitter.most - emitter.emitted);
     }
     emitter.due = std::min(total - static_cast<double>(count), 1.0);
+    form_ = count > 0 && shape != nullptr ? formOf(*shape) : ClumpForm{.count = 1, .bound = 1};
     if (count > 0) stream(emitter, *transform, count, total);
     if (emitter.most > 0 && emitter.emitted >= emitter.most) emitter.due = 0;
     *state_.world.find<GrainEmitter>(entity) = emitter;
@@ -109,19 +114,38 @@ class Emission {
     meet(mouth, field.origin);
     size_t room = kMaxGrains - std::min<size_t>(
         kMaxGrains, state_.grains.count() + state_.emitted.size());
+    state_.emitted_clumps.clear();
+    state_.clump_scale.clear();
     for (uint64_t k = 1; k <= count; ++k) {
       const uint64_t number = emitter.emitted + emitter.held_back;
       const auto ago = static_cast<float>((total - static_cast<double>(k)) / static_cast<double>(emitter.rate));
       GrainSpec spec = mouth.grain(number);
-      if (room == 0 || !findPlace(mouth, number, std::clamp(ago, 0.0f, dt_), spec)) {
+      if (room < form_.count || !findPlace(mouth, number, std::clamp(ago, 0.0f, dt_), spec)) {
         ++emitter.held_back;
         continue;
       }
-      state_.crowd.add(spec.grain.position, spec.grain.radius);
-      state_.emitted.push_back(spec);
+      state_.crowd.add(spec.grain.position, form_.bound * spec.grain.radius);
+      take(spec);
       ++emitter.emitted;
-      --room;
+      room -= form_.count;
     }
+    spawnClumpsOf(state_.world, form_, state_.clump_scale, state_.emitted_clumps);
+  }
+
+  // A clump is placed as the sphere around it.
+  void take(const GrainSpec& spec) {
+    if (form_.count == 1) {
+      state_.emitted.push_back(spec);
+      return;
+    }
+    ClumpSpec clump;
+    clump.position = spec.grain.position;
+    clump.rotation = spec.orientation.rotation;
+    clump.velocity = spec.velocity.linear;
+    clump.material = spec.material;
+    clump.look = spec.look;
+    state_.emitted_clumps.push_back(clump);
+    state_.clump_scale.push_back(spec.grain.radius);
   }
 
   GrainField& placeField(const Transform& transform) {
@@ -136,7 +160,7 @@ class Emission {
   // Gathers the grains and colliders that may be in the way.
   void meet(const Mouth& mouth, const dvec3& origin) {
     const float reach = mouth.reach(dt_);
-    const float largest = mouth.emitter.radius * (1 + mouth.emitter.radius_jitter);
+    const float largest = form_.bound * mouth.emitter.radius * (1 + mouth.emitter.radius_jitter);
     const vec3 low = mouth.centre - reach, high = mouth.centre + reach;
     Crowd& crowd = state_.crowd;
     crowd.reset(low, high, largest);
@@ -157,7 +181,7 @@ class Emission {
   }
 
   bool findPlace(const Mouth& mouth, uint64_t number, float ago, GrainSpec& spec) const {
-    const float radius = spec.grain.radius;
+    const float radius = form_.bound * spec.grain.radius;
     for (uint64_t attempt = 0; attempt < kTries; ++attempt) {
       const vec3 at = mouth.place(number, attempt, spec.velocity.linear, ago);
       if (!state_.crowd.free(at, radius)) continue;
@@ -176,6 +200,7 @@ class Emission {
   GrainsState& state_;
   float dt_;
   bool gathered_ = false;  // the colliders, for all emitters of the tick
+  ClumpForm form_;  // of the emitter at hand; count 1: a sphere
 };
 
 void emitAll(GrainsState& state) {

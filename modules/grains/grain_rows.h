@@ -18,6 +18,7 @@ struct GrainRows {
   std::span<GrainPrevious> previous;
   std::span<const GrainMaterial> material;
   std::span<GrainRest> rest;  // empty: these grains never sleep
+  std::span<const GrainClump> clump;  // empty: of these grains none is in a clump
 };
 
 }  // namespace scree::grains

@@ -13,6 +13,7 @@ GrainsState::GrainsState(World& world_in)
       blocks(world_in.query<const GrainBlock>()),
       grains(world_in.query<Grain, GrainVelocity, GrainSpin, GrainOrientation, GrainPrevious,
                             GrainRest, const GrainMaterial>()),
+      members(world_in.query<const GrainClump>()),
       planes(world_in.query<const Transform, const PlaneCollider>()),
       boxes(world_in.query<const Transform, const BoxCollider>()),
       capsules(world_in.query<const Transform, const CapsuleCollider>()),

@@ -17,6 +17,7 @@
 #include "engine/core/math.h"
 #include "engine/core/result.h"
 #include "engine/ecs/world.h"
+#include "modules/grains/clump.h"
 #include "modules/grains/interplay.h"
 
 namespace scree {
@@ -349,6 +350,22 @@ struct GrainSpec {
 // Spawns grains with all their components, in the order given. Bad numbers are refused in the
 // next tick (GrainField::refused). Not during iteration of a query.
 void spawnGrains(World& world, std::span<const GrainSpec> specs);
+
+// Everything that a clump (clump.h) starts with.
+struct ClumpSpec {
+  std::array<Grain, kMostMembers> member;  // spheres, relative to any point, before the rotation
+  int32_t count = 2;                       // of them, 2 to kMostMembers
+  vec3 position{0};                        // of the centre of mass, relative to the field's origin
+  quat rotation{1, 0, 0, 0};
+  vec3 velocity{0};  // of the centre of mass, m/s
+  vec3 spin{0};      // world axes, rad/s
+  GrainMaterial material;  // density: of the solid that the spheres make up
+  GrainLook look;
+};
+std::string fault(const ClumpSpec& value);
+// Spawns the members as grains, clump by clump in the order given. Clumps with bad numbers are refused with
+// one line, and counted (GrainField::refused). Not during iteration of a query.
+void spawnClumps(World& world, std::span<const ClumpSpec> specs);
 
 // The world's field; spawned with defaults on first use.
 GrainField& grainField(World& world);

@@ -113,6 +113,10 @@ void PairLists::find(const Grid& grid, const Bodies& bodies, uint32_t s) {
       own.found_j.erase(std::remove_if(own.found_j.begin() + before, own.found_j.end(),
                                        [&](uint32_t j) { return !isAwake(bodies, slotOf(j)); }),
                         own.found_j.end());
+    if (!bodies.clump.empty() && bodies.clump[i] != kNoSlot)
+      own.found_j.erase(std::remove_if(own.found_j.begin() + before, own.found_j.end(),
+                                       [&](uint32_t j) { return bodies.clump[slotOf(j)] == bodies.clump[i]; }),
+                        own.found_j.end());
     found_end[i] = static_cast<uint32_t>(own.found_j.size());
   }
 }

@@ -29,6 +29,6 @@ inline constexpr float kBalancedShare = 0.02f, kUneasyShare = 0.05f;
 // More than this share of its weight and of what it passes on is a blow: that wakes it.
 inline constexpr float kBlow = 0.5f;
 // How far, in grains, a change of load spreads among sleepers within a tick.
-inline constexpr int kRounds = 2;
+inline constexpr int kSpread = 2;
 
 }  // namespace scree::grains

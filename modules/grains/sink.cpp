@@ -8,6 +8,39 @@ namespace {
 
 bool byEntity(const Swallowed& a, const Swallowed& b) { return a.entity < b.entity; }
 
+// The members of those clumps of which a member is inside. Their first member knows none of them, so all
+// members are looked through.
+void takeWholeClumps(GrainsState& state) {
+  std::vector<Entity>& first = state.swallowed_clumps;
+  first.clear();
+  for (const Swallowed& grain : state.inside)
+    if (const GrainClump* clump = state.world.peek<GrainClump>(grain.entity)) first.push_back(clump->first);
+  if (first.empty()) return;
+  std::sort(first.begin(), first.end());
+  std::erase_if(state.inside,
+                [&](const Swallowed& grain) { return state.world.peek<GrainClump>(grain.entity) != nullptr; });
+  state.members.each([&](Entity entity, const GrainClump& clump) {
+    if (!std::binary_search(first.begin(), first.end(), clump.first)) return;
+    const Grain& grain = *state.world.peek<Grain>(entity);
+    const GrainMaterial& material = *state.world.peek<GrainMaterial>(entity);
+    state.inside.push_back({entity, volumeOf(grain.radius) * static_cast<double>(material.density)});
+  });
+}
+
+// How many of `inside`, sorted, a sink takes that has room for `room`: whole clumps.
+size_t wholeUpTo(const World& world, std::span<const Swallowed> inside, size_t room) {
+  if (inside.size() <= room) return inside.size();
+  const GrainClump* last = world.peek<GrainClump>(inside[room - 1].entity);
+  if (last == nullptr) return room;
+  // Members of a clump are neighbours in this order if nobody spawned them one by one.
+  while (room < inside.size()) {
+    const GrainClump* next = world.peek<GrainClump>(inside[room].entity);
+    if (next == nullptr || next->first != last->first) break;
+    ++room;
+  }
+  return room;
+}
+
 void swallow(GrainsState& state) {
   World& world = state.world;
   const dvec3 origin = fieldOrigin(world);
@@ -36,8 +69,9 @@ void swallow(GrainsState& state) {
         inside.push_back({grain.entity, volumeOf(grain.radius) * static_cast<double>(grain.density)});
     });
     if (inside.empty()) continue;
+    if (!state.members.empty()) takeWholeClumps(state);
     std::sort(inside.begin(), inside.end(), byEntity);
-    if (sink.most > 0) inside.resize(std::min<size_t>(inside.size(), sink.most - sink.count));
+    if (sink.most > 0) inside.resize(wholeUpTo(world, inside, sink.most - sink.count));
     GrainSink& counted = *world.find<GrainSink>(entity);
     counted.count += inside.size();
     for (const Swallowed& grain : inside) {

@@ -91,6 +91,9 @@ void GrainSolver::addPairLoad(const PairSlab& slab, uint32_t contact) {
 // Wakes those in waking_.
 void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
   if (waking_.empty()) return;
+  if (!clumps_.empty())
+    for (size_t k = waking_.size(); k-- > 0;)
+      sleepers_.eachOfClump(waking_[k], [&](uint32_t berth) { waking_.push_back(berth); });
   std::sort(waking_.begin(), waking_.end());
   waking_.erase(std::unique(waking_.begin(), waking_.end()), waking_.end());
   partners_.clear();
@@ -116,6 +119,7 @@ void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
           [](const GrainRows& table, size_t k, uint32_t) {
             if (!table.rest.empty()) table.rest[k] = {table.grain[k].position, 0, false};
           });
+  rouseClumps(awake_sorted_);
   sortAwake();
   stats_.woken += static_cast<uint32_t>(waking_.size());
   waking_.clear();
@@ -146,6 +150,7 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     settled_[slot] = kStill;
     ++due;
   });
+  settleClumps(kStill);
   if (due == 0) return;
   const uint32_t listed = pairs_.bodyCount();
   const auto eachContact = [&](const auto& visit) {
@@ -159,6 +164,7 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     if ((i & kStill) == 0) j |= kHeldUp;
     if ((j & kStill) == 0) i |= kHeldUp;
   });
+  settleClumps(kStill);
   refill(load_, bodies_.count, Load{});
   eachContact([&](const PairSlab& slab, uint32_t c) { addPairLoad(slab, c); });
   for (uint32_t s = 0; s < walls_.slab_count; ++s)
@@ -171,8 +177,9 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     uint8_t& settled = settled_[awake.slot];
     if (settled != kStill) continue;
     const Body& body = bodies_.body[awake.slot];
-    const float mass = grainMass(body.radius, bodies_.material[awake.slot].density);
-    const Load& load = load_[awake.slot];
+    float mass = grainMass(body.radius, bodies_.material[awake.slot].density);
+    Load load = load_[awake.slot];
+    if (!bodies_.clump.empty()) loadOfClump(awake.slot, mass, load);
     if (length(load.impulse + mass * gravity_step) >
         kBalanced * mass * length(gravity_step) + kBalancedShare * load.carried)
       continue;
@@ -217,6 +224,7 @@ void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_ste
   }
   awake_.resize(stay);
   awake_sorted_ = stay;
+  layClumps();
 
   const uint32_t listed = pairs_.bodyCount();
   for (uint32_t k = 0; k < bodies_.count; ++k)

@@ -167,24 +167,27 @@ void Sleepers::pressWall(WallNode& node, vec3 impulse) {
 }
 
 uint32_t Sleepers::groundUnder(uint32_t berth, vec3 up) const {
-  constexpr int kMostSteps = 1024;
+  constexpr int kMostSteps = 1024;  // clumps that hook into each other could lead round for ever
   for (int step = 0; step < kMostSteps; ++step) {
-    const Sleeper& own = sleeper_[berth];
     float most = 0;
     uint32_t next = kNoSlot, ground = kNoSlot;
-    for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
-      const Sleeper& other = sleeper_[pair_.node[at].other];
-      const float bears = glm::dot(pair_.node[at].impulse, up);
-      if (!(bears > most) || !(glm::dot(own.position - other.position, up) > 0)) continue;
-      most = bears;
-      next = pair_.node[at].other;
-    }
-    for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) {
-      const float bears = glm::dot(wall_.node[at].impulse, up);
-      if (!(bears > most)) continue;
-      most = bears;
-      ground = colliderKey(wall_.node[at].key);
-    }
+    eachOfClump(berth, [&](uint32_t member) {
+      const Sleeper& own = sleeper_[member];
+      for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
+        const Sleeper& other = sleeper_[pair_.node[at].other];
+        const float bears = glm::dot(pair_.node[at].impulse, up);
+        if (!(bears > most) || !(glm::dot(own.position - other.position, up) > 0)) continue;
+        most = bears;
+        next = pair_.node[at].other;
+        ground = kNoSlot;
+      }
+      for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) {
+        const float bears = glm::dot(wall_.node[at].impulse, up);
+        if (!(bears > most)) continue;
+        most = bears;
+        ground = colliderKey(wall_.node[at].key);
+      }
+    });
     if (ground != kNoSlot || next == kNoSlot) return ground;
     berth = next;
   }

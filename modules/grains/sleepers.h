@@ -49,6 +49,7 @@ struct Sleeper {
   bool propped = false;  // a contact with a grain awake bears on it
   uint32_t pairs = kNoSlot, walls = kNoSlot;  // first contacts in the lists of Sleepers
   uint32_t row = 0;
+  uint32_t ring = kNoSlot, member = 0;  // of a clump: the next member's berth; its number
   Entity entity;
   GrainMaterial material;
   Load load;  // of gravity, of other sleepers and of colliders, a substep
@@ -58,10 +59,12 @@ struct Sleeper {
 
 // A contact as a sleeper feels it.
 struct Touch {
+  uint32_t berth = 0;  // the sleeper, or the member of its clump
   vec3 normal{0};    // from there to the centre
   vec3 impulse{0};   // on the sleeper, a substep, N s
   float friction = 0;
   float pull = 0;    // force that parts it, N
+  vec3 arm{0};       // working memory of Sleepers::balance()
 };
 
 // Of a contact: from the other's centre to the sleeper's.
@@ -109,17 +112,33 @@ class Sleepers {
   // A contact of sleepers a and b; impulses on a.
   void lean(uint32_t a, uint32_t b, vec3 impulse, vec3 rolling);
   void leanOn(uint32_t berth, const ColliderContact& contact);
+  // Calls visit(berth) for the sleeper and those of its clump, the first member first.
+  template <class Visit>
+  void eachOfClump(uint32_t berth, const Visit& visit) const {
+    if (sleeper_[berth].ring == kNoSlot) return visit(berth);
+    const uint32_t first = berth = firstOf(berth);
+    do {
+      visit(berth);
+      berth = sleeper_[berth].ring;
+    } while (berth != first);
+  }
   // Sums what the sleeper bears. After its contacts have changed.
   void weigh(uint32_t berth, vec3 gravity_step);
+  // The first member of the sleeper's clump, or the sleeper.
+  uint32_t firstOf(uint32_t berth) const {
+    if (sleeper_[berth].ring != kNoSlot)
+      while (sleeper_[berth].member != 0) berth = sleeper_[berth].ring;
+    return berth;
+  }
   // What the contacts of a sleeper leave over, if it is not propped, is booked on the collider that its
   // strongest supports lead down to: what all sleepers press is what they weigh. After weigh().
   void book(uint32_t berth, vec3 gravity_step);
   void unbook(uint32_t berth);
 
-  // If the sleeper's load is out of balance, changes all its contacts as little as balances force and
+  // If the load of the sleeper, or of its clump, is out of balance, changes all its contacts as little as balances force and
   // moment: those with other sleepers and with colliders, and `outer`, those with grains awake. False
   // if contacts that press, or hold, within Coulomb's limit cannot balance it. `touched`: partners asleep
-  // that bear something else now. `h`: the substep, s.
+  // that bear something else now, or the first members of their clumps. `h`: the substep, s.
   bool balance(uint32_t berth, vec3 gravity_step, float h, std::span<Touch> outer,
                std::vector<uint32_t>& touched);
 

@@ -40,6 +40,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
                        const StepParameters& parameters, RowsAre rows) {
   refused_.clear();
   lost_.clear();
+  broken_.clear();
   strikes_.begin(parameters.strikes, parameters.substeps);
   for (Collider& collider : colliders) {
     collider.load = glm::dvec3(0);
@@ -95,10 +96,15 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
     if (!strays_.empty() && (search_due_ || !followStrays(h))) search_due_ = left_margin_ = true;
     if (search_due_) searchNeighbours(h);
     if (walls_due_) listColliders(colliders, dt, h);
+    const bool clumps = !clumps_.moving().empty();
+    if (clumps) clumps_.begin(bodies_);
     relax(colliders, parameters, h, substep);
     collectLoads(colliders, substep + 1 == substeps);
     move(gravity_step, h, keep, parameters.forces, !colliders.empty());
-    guard(colliders, static_cast<float>(substep + 1) / static_cast<float>(substeps));
+    if (clumps) clumps_.place(bodies_, gravity_step, h, keep);
+    const float t1 = static_cast<float>(substep + 1) / static_cast<float>(substeps);
+    guard(colliders, t1);
+    if (clumps) mend(colliders, t1);
   }
   addSleepersLoads(colliders, substeps);
   writeRows(tables, parameters, dt);
@@ -107,7 +113,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   findUnbalanced(gravity_step);
   wake(tables, gravity_step);
   strikes_.close();
-  adopt_due_ = adopt_due_ || !lost_.empty() || !refused_.empty();
+  adopt_due_ = adopt_due_ || !lost_.empty() || !refused_.empty() || !broken_.empty();
 }
 
 // Masses as they are, before shareHeavyLoads().
@@ -118,6 +124,7 @@ void GrainSolver::readyMasses() {
     body.inverse_mass = 1 / grainMass(body.radius, bodies_.material[k].density);
     body.gravity_scale = 1;
   }
+  clumps_.giveMasses(bodies_);
 }
 
 // Adds gravity and forces, and notes the grains that may leave their margin within the substep.
@@ -191,6 +198,8 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
     kernels_->applyKept(pairs, body, settings);
     applyKeptColliders(walls, body);
   });
+  const bool clumps = !clumps_.moving().empty();
+  if (clumps) clumps_.project(bodies_);
   const int passes = std::clamp(parameters.passes, 1, 64);
   for (int pass = 0; pass < passes; ++pass) {
     settings.first_pass = pass == 0;
@@ -198,6 +207,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
       kernels_->relax(pairs, body, bodies_.entity.data(), settings);
       relaxColliders(walls, body, posed_, settings);
     });
+    if (clumps) clumps_.project(bodies_);
   }
   // Colliders have the last word: where more passes would be needed, grains overlap a little
   // longer, but nothing is pressed through a wall.
@@ -210,12 +220,21 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
     }
   }, worth);
   strikes_.note(pairs_, walls_, bodies_);
-  bounce();
+  if (clumps) {
+    clumps_.project(bodies_);
+    clumps_.noteShifts(bodies_);
+  }
+  if (bounce() && clumps) clumps_.noteBounces(bodies_);
 }
 
-// Moves grains that bounced to where the impact within the substep leaves them.
-void GrainSolver::bounce() {
-  eachBounce([&](uint32_t slot, vec3 shift) { bodies_.body[slot].position += shift; });
+// Moves grains that bounced to where the impact within the substep leaves them; true if any did.
+bool GrainSolver::bounce() {
+  bool any = false;
+  eachBounce([&](uint32_t slot, vec3 shift) {
+    bodies_.body[slot].position += shift;
+    any = true;
+  });
+  return any;
 }
 
 // Sums the impulses on sensed colliders, in the order of the lists.
@@ -336,6 +355,7 @@ void GrainSolver::shareHeavyLoads() {
       light.gravity_scale *= scale;
     }
   }
+  clumps_.shareScales(bodies_);
 }
 
 }  // namespace scree::grains

@@ -19,6 +19,7 @@
 #include "engine/core/bytes.h"
 #include "engine/core/result.h"
 #include "modules/grains/awake_rows.h"
+#include "modules/grains/clumps.h"
 #include "modules/grains/collider.h"
 #include "modules/grains/contacts.h"
 #include "modules/grains/forces.h"
@@ -61,6 +62,14 @@ struct StepParameters {
 // Length of a substep, s.
 float substepOf(const StepParameters& parameters);
 
+// Where a member's row is.
+struct ClumpRow {
+  GrainClump clump;
+  Entity entity;
+  uint32_t table;
+  size_t row;
+};
+
 // Whether anybody but step() has written, added, removed or moved rows since the last step.
 enum class RowsAre : uint32_t { Unknown, AsLeft };
 
@@ -80,6 +89,8 @@ class GrainSolver {
   // bounds. The caller removes them; until then they are reported, and stay as they are.
   const std::vector<Entity>& refused() const { return refused_; }
   const std::vector<Entity>& lost() const { return lost_; }
+  // Grains with a GrainClump whose clump is not whole: free from now on. The caller removes it.
+  const std::vector<Entity>& broken() const { return broken_; }
   const GrainStats& stats() const { return stats_; }
   // Of the last step, if its parameters asked for them.
   std::span<const Strike> strikes() const { return strikes_.found(); }
@@ -119,10 +130,24 @@ class GrainSolver {
   uint32_t appendBody(Entity entity, const GrainMaterial& material, vec3 position, float radius);
   void sortAwake();
 
+  // Clumps, in clump_rows.cpp.
+  void adoptClumps(std::span<const GrainRows> tables);
+  bool takeClump(std::span<const ClumpRow> rows, std::span<const GrainRows> tables);
+  void linkSleepers(const Clump& clump);
+  void rouseClumps(size_t first_awake);
+  void layClumps();
+  void loseClumps();
+  bool meetsOwnOnly(uint32_t slot) const;
+  void settleClumps(uint8_t still);
+  void loadOfClump(uint32_t slot, float& mass, Load& load) const;
+  void mend(std::span<const Collider> colliders, float t1);
+
   // Sleep, in sleep.cpp.
   void findDisturbed(std::span<const Collider> colliders, const StepParameters& parameters);
   void findStruck(const StepParameters& parameters);
   void findUnbalanced(vec3 gravity_step);
+  void inOrder(std::vector<uint32_t>& berths) const;
+  void gatherTouches(uint32_t first);
   void wake(std::span<const GrainRows> tables, vec3 gravity_step);
   void settle(std::span<const GrainRows> tables, const StepParameters& parameters,
               vec3 gravity_step, float dt);
@@ -159,7 +184,7 @@ class GrainSolver {
   void shareHeavyLoads();
   void predict(vec3 gravity_step, float h, std::span<const Force> forces);
   void relax(std::span<Collider> colliders, const StepParameters& parameters, float h, int substep);
-  void bounce();
+  bool bounce();
   // Calls visit(slot, shift) for the grains that bounced.
   template <class Visit>
   void eachBounce(const Visit& visit) const;
@@ -171,6 +196,8 @@ class GrainSolver {
   // A slot is a grain's place in the solver's arrays: sorted by cell, changed by each search.
   Bodies bodies_, sorted_;
   Sleepers sleepers_;
+  Clumps clumps_;
+  std::vector<ClumpRow> clump_rows_;  // working memory
   Grid grid_;
   const Kernels* kernels_ = &kBaselineKernels;
   PairLists pairs_;
@@ -208,6 +235,7 @@ class GrainSolver {
   std::vector<BorderContact> border_;
   std::vector<uint32_t> uneasy_, unpropped_;  // berths
   std::vector<Touch> touches_;
+  std::vector<const BorderContact*> touching_;
   std::vector<uint8_t> settled_;  // by slot
   std::vector<Load> load_;        // by slot
   std::vector<WokenPair> woken_pairs_;  // since the last search
@@ -221,7 +249,7 @@ class GrainSolver {
   Strikes strikes_;
 
   vec3 last_gravity_{0};
-  std::vector<Entity> refused_, lost_;
+  std::vector<Entity> refused_, lost_, broken_;
   GrainStats stats_;
   size_t memory_ = 0;
   vec3 drift_{0};         // velocity that margins are measured against, m/s

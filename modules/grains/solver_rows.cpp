@@ -84,7 +84,7 @@ void GrainSolver::adopt(std::span<const GrainRows> tables) {
   awake_.clear();
   const uint32_t bodies_before = bodies_.count;
   settled_.assign(bodies_before, 0);  // here: met
-  sleepers_.each([&](uint32_t berth) { sleepers_[berth].row = kNoSlot; });
+  sleepers_.each([&](uint32_t berth) { sleepers_[berth].row = sleepers_[berth].ring = kNoSlot; });
   uint32_t row = 0;
   for (const GrainRows& table : tables) {
     for (size_t k = 0; k < table.entity.size(); ++k, ++row) {
@@ -113,6 +113,7 @@ void GrainSolver::adopt(std::span<const GrainRows> tables) {
   std::sort(refused_.begin(), refused_.end());  // whatever the order of the rows
   awake_sorted_ = awake_.size();
   adopt_due_ = false;
+  adoptClumps(tables);
 
   const auto forget = [&](Entity entity, uint32_t place) {
     if (place_[entity.index] == place) place_[entity.index] = kNoSlot;
@@ -186,7 +187,9 @@ void GrainSolver::writeRows(std::span<const GrainRows> tables, const StepParamet
     // in the same way for the previous orientation.
     quat& q = table.orientation[k].rotation;
     const vec3 half = body.spin * (0.5f * dt);
-    q = glm::normalize(q + quat(0, half.x, half.y, half.z) * q);
+    const uint32_t clump = bodies_.clump.empty() ? kNoSlot : bodies_.clump[slot];
+    q = clump != kNoSlot ? clumps_[clump].rotation
+                         : glm::normalize(q + quat(0, half.x, half.y, half.z) * q);
     const vec3 p = body.position;
     const bool inside = p.x >= parameters.bounds_min.x && p.x <= parameters.bounds_max.x &&
                         p.y >= parameters.bounds_min.y && p.y <= parameters.bounds_max.y &&
@@ -195,6 +198,7 @@ void GrainSolver::writeRows(std::span<const GrainRows> tables, const StepParamet
     // Beyond what is allowed: the next tick refuses it.
     if (!(glm::dot(p, p) < kMostDistance * kMostDistance)) adopt_due_ = true;
   });
+  if (!lost_.empty()) loseClumps();
   std::sort(lost_.begin(), lost_.end());  // whatever the order of the rows
 }
 
@@ -248,10 +252,10 @@ size_t GrainSolver::memoryBytes() const {
   const auto bodies = [](const Bodies& b) {
     return b.body.capacity() * sizeof(Body) + b.entity.capacity() * sizeof(Entity) +
            b.material.capacity() * sizeof(GrainMaterial) +
-           b.reference.capacity() * sizeof(Reference) + 4 * b.berth.capacity();
+           b.reference.capacity() * sizeof(Reference) + 4 * (b.berth.capacity() + b.clump.capacity());
   };
   return bodies(bodies_) + bodies(sorted_) + grid_.memoryBytes() + pairs_.memoryBytes() +
-         walls_.memoryBytes() + sleepers_.memoryBytes() +
+         walls_.memoryBytes() + sleepers_.memoryBytes() + clumps_.memoryBytes() +
          4 * (order_.capacity() + before_.capacity() + before_sort_.capacity() + moved_.capacity() +
               slot_of_.capacity() + margin_.capacity() + place_.capacity() + waking_.capacity() +
               partners_.capacity() + falling_.capacity() + strays_.capacity() +
@@ -262,7 +266,7 @@ size_t GrainSolver::memoryBytes() const {
          joining_pairs_.capacity() * sizeof(JoiningPair) +
          joining_walls_.capacity() * sizeof(JoiningWall) +
          posed_.capacity() * sizeof(PosedCollider) + chunk_flags_.capacity() +
-         forces_seen_.capacity() * sizeof(Force) + strikes_.memoryBytes();
+         clump_rows_.capacity() * sizeof(ClumpRow) + forces_seen_.capacity() * sizeof(Force) + strikes_.memoryBytes();
 }
 
 }  // namespace scree::grains

@@ -75,7 +75,7 @@ bool GrainSolver::followStrays(float h) {
     const vec3 relative = grain.velocity - drift_;
     if (!(h * std::sqrt(glm::dot(relative, relative)) <= reference.margin)) return false;
     const float reach = grain.radius + reference.margin;
-    if (!grid_.moveAlone(slot, reference.position, reach, met_)) return false;
+    if (!grid_.moveAlone(slot, reference.position, reach, met_) && !meetsOwnOnly(slot)) return false;
     bool meets = walls_.misses(slot, pairs_.slab_of[slot], grain.position, reach);
     sleepers_.near(grain.position - reach, grain.position + reach, [&](uint32_t berth) {
       const Sleepers::Spot& spot = sleepers_.spot(berth);
@@ -184,6 +184,8 @@ void GrainSolver::searchNeighbours(float h) {
   }
   std::swap(bodies_, sorted_);
   for (AwakeRow& awake : awake_) awake.slot = slot_of_[moved_[awake.slot]];
+  clumps_.follow(moved_, slot_of_);
+  clumps_.mark(bodies_);
   joinWoken();
   grid_.read(bodies_);
   pairs_.build(grid_, bodies_, pairs_, before_, joining_pairs_);

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "engine/core/log.h"
 #include "engine/core/random.h"
+#include "engine/ecs/range.h"
 #include "modules/grains/state.h"
 
 namespace scree {
@@ -27,15 +29,76 @@ struct FoundBlock {
   Entity entity;
   GrainBlock block;
   Transform transform;
+  std::optional<ClumpShape> shape;
 };
 
 // What is wrong with a block in a world that has `grains_so_far`; empty: nothing.
-std::string faultIn(const GrainBlock& block, size_t grains_so_far) {
+std::string faultIn(const GrainBlock& block, const ClumpShape* shape, size_t grains_so_far) {
   if (std::string wrong = fault(block); !wrong.empty()) return wrong;
-  const double total = 1.0 * block.count[0] * block.count[1] * block.count[2];
+  double total = 1.0 * block.count[0] * block.count[1] * block.count[2];
+  if (shape != nullptr) {
+    const float largest = block.radius * (1 + block.radius_jitter);
+    std::string wrong = faultOfClumps(*shape, block.radius * (1 - block.radius_jitter), largest);
+    if (!wrong.empty()) return wrong;
+    const ClumpForm form = formOf(*shape);
+    if (block.spacing != 0) wrong = firstFault({{"spacing", block.spacing, 2.0 * largest * form.bound, 1e6}});
+    if (!wrong.empty()) return wrong;
+    total *= form.count;
+  }
   if (total + static_cast<double>(grains_so_far) > kMaxGrains)
     return fmt::format("{} grains beside {}; a world holds {}", total, grains_so_far, kMaxGrains);
   return {};
+}
+
+// Of a block's lattice point: the same for spheres and for clumps.
+struct Point {
+  float scale;  // radius
+  vec3 position;
+  quat rotation;
+  GrainLook look;
+};
+Point pointOf(const FoundBlock& found, size_t k, vec3 base, float spacing, float bound) {
+  const GrainBlock& block = found.block;
+  const auto draw = [&](uint64_t which) { return randomUnit(block.seed, k, 0, which); };
+  const auto spread = [&](uint64_t which) { return 2 * draw(which) - 1; };
+  const auto nx = static_cast<size_t>(block.count[0]), ny = static_cast<size_t>(block.count[1]),
+             nz = static_cast<size_t>(block.count[2]);
+  Point point;
+  point.scale = block.radius * (1 + block.radius_jitter * spread(0));
+  // Shaken within the cell, so that grains do not stand on one another like coins.
+  const float slack = 0.5f * spacing - bound * point.scale;
+  const vec3 cell(static_cast<float>(k % nx), static_cast<float>(k / nx % ny),
+                  static_cast<float>(k / nx / ny));
+  const vec3 middle = 0.5f * vec3(static_cast<float>(nx - 1), static_cast<float>(ny - 1),
+                                  static_cast<float>(nz - 1));
+  const vec3 shaken = slack * vec3(spread(1), spread(2), spread(3));
+  const vec3 local = (cell - middle) * spacing + shaken;
+  point.position = base + found.transform.rotation * local;
+  const quat turned(draw(4) + 0.01f, spread(5), spread(6), spread(7));
+  point.rotation = glm::normalize(turned);
+  point.look = {block.color * (1 + block.color_jitter * spread(8)), block.roughness};
+  return point;
+}
+
+void spawnBlockOfClumps(World& world, const FoundBlock& found, const dvec3& origin) {
+  const GrainBlock& block = found.block;
+  const ClumpForm form = formOf(*found.shape);
+  const float largest = block.radius * (1 + block.radius_jitter);
+  const float spacing = block.spacing > 0 ? block.spacing : 2.02f * largest * form.bound;
+  const vec3 base = vec3(found.transform.position - origin);
+  const size_t total = static_cast<size_t>(block.count[0]) * static_cast<size_t>(block.count[1]) *
+                       static_cast<size_t>(block.count[2]);
+  std::vector<ClumpSpec> specs(total);
+  std::vector<float> scale(total);
+  for (size_t k = 0; k < total; ++k) {
+    const Point point = pointOf(found, k, base, spacing, form.bound);
+    scale[k] = point.scale;
+    specs[k].position = point.position;
+    specs[k].rotation = point.rotation;
+    specs[k].material = {block.density, block.friction, block.rolling_friction, block.restitution};
+    specs[k].look = point.look;
+  }
+  spawnClumpsOf(world, form, scale, specs);
 }
 
 void spawnBlock(World& world, const FoundBlock& found, const dvec3& origin) {
@@ -43,9 +106,8 @@ void spawnBlock(World& world, const FoundBlock& found, const dvec3& origin) {
   const float largest = block.radius * (1 + block.radius_jitter);
   const float spacing = block.spacing > 0 ? block.spacing : 2.02f * largest;
   const vec3 base = vec3(found.transform.position - origin);
-  const auto nx = static_cast<size_t>(block.count[0]), ny = static_cast<size_t>(block.count[1]),
-             nz = static_cast<size_t>(block.count[2]);
-  const size_t total = nx * ny * nz;
+  const size_t total = static_cast<size_t>(block.count[0]) * static_cast<size_t>(block.count[1]) *
+                       static_cast<size_t>(block.count[2]);
   if (total == 0) return;
   const GrainMaterial material{block.density, block.friction, block.rolling_friction,
                                block.restitution, block.cohesion};
@@ -58,23 +120,11 @@ void spawnBlock(World& world, const FoundBlock& found, const dvec3& origin) {
   const std::span<GrainOrientation> orientation = rows.column<GrainOrientation>();
   const std::span<GrainLook> look = rows.column<GrainLook>();
   for (size_t k = 0; k < total; ++k) {
-    const auto draw = [&](uint64_t which) { return randomUnit(block.seed, k, 0, which); };
-    const auto spread = [&](uint64_t which) { return 2 * draw(which) - 1; };
-    const float radius = block.radius * (1 + block.radius_jitter * spread(0));
-    // Shaken within the cell, so that grains do not stand on one another like coins.
-    const float slack = 0.5f * spacing - radius;
-    const vec3 cell(static_cast<float>(k % nx), static_cast<float>(k / nx % ny),
-                    static_cast<float>(k / nx / ny));
-    const vec3 middle = 0.5f * vec3(static_cast<float>(nx - 1), static_cast<float>(ny - 1),
-                                    static_cast<float>(nz - 1));
-    const vec3 shaken = slack * vec3(spread(1), spread(2), spread(3));
-    const vec3 local = (cell - middle) * spacing + shaken;
-    grain[k].position = base + found.transform.rotation * local;
-    grain[k].radius = radius;
-    previous[k].position = grain[k].position;
-    const quat turned(draw(4) + 0.01f, spread(5), spread(6), spread(7));
-    orientation[k].rotation = glm::normalize(turned);
-    look[k].color = block.color * (1 + block.color_jitter * spread(8));
+    const Point point = pointOf(found, k, base, spacing, 1);
+    grain[k] = {point.position, point.scale};
+    previous[k].position = point.position;
+    orientation[k].rotation = point.rotation;
+    look[k] = point.look;
   }
 }
 
@@ -83,7 +133,9 @@ void spawnBlocks(GrainsState& state) {
   std::vector<FoundBlock> found;
   state.blocks.each([&](Entity entity, const GrainBlock& block) {
     const Transform* transform = world.peek<Transform>(entity);
-    found.push_back({entity, block, transform != nullptr ? *transform : Transform{}});
+    const ClumpShape* shape = world.peek<ClumpShape>(entity);
+    found.push_back({entity, block, transform != nullptr ? *transform : Transform{},
+                     shape != nullptr ? std::optional(*shape) : std::nullopt});
   });
   std::sort(found.begin(), found.end(),
             [](const FoundBlock& a, const FoundBlock& b) { return a.entity < b.entity; });
@@ -95,9 +147,12 @@ void spawnBlocks(GrainsState& state) {
   }
   const dvec3 origin = field.origin;
   for (const FoundBlock& block : found) {
-    if (const std::string wrong = faultIn(block.block, state.grains.count()); !wrong.empty()) {
+    const ClumpShape* shape = block.shape ? &*block.shape : nullptr;
+    if (const std::string wrong = faultIn(block.block, shape, state.grains.count()); !wrong.empty()) {
       if (refused++ == 0)
         logWarning("grains.spawn: GrainBlock of {} refused: {}", nameOf(world, block.entity), wrong);
+    } else if (shape != nullptr) {
+      spawnBlockOfClumps(world, block, origin);
     } else {
       spawnBlock(world, block, origin);
     }

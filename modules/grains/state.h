@@ -7,6 +7,7 @@
 #include "engine/ecs/schedule.h"
 #include "engine/ecs/world.h"
 #include "engine/frame/frame.h"
+#include "modules/grains/clump_shape.h"
 #include "modules/grains/crowd.h"
 #include "modules/grains/draw_state.h"
 #include "modules/grains/grains.h"
@@ -56,6 +57,7 @@ struct GrainsState {
   World& world;
   Query<const GrainBlock> blocks;
   GrainRowsQuery grains;
+  Query<const GrainClump> members;
   Query<const Transform, const PlaneCollider> planes;
   Query<const Transform, const BoxCollider> boxes;
   Query<const Transform, const CapsuleCollider> capsules;
@@ -89,6 +91,9 @@ struct GrainsState {
   std::vector<RegionOfSleepers> regions_of_sleepers;
   std::vector<Entity> entities;  // with the component at hand, sorted
   std::vector<GrainSpec> emitted;
+  std::vector<ClumpSpec> emitted_clumps;  // of one emitter
+  std::vector<float> clump_scale;
+  std::vector<Entity> swallowed_clumps;  // their first members
   Crowd crowd;
   std::vector<PosedCollider> walls;
   std::vector<Swallowed> inside;
@@ -127,6 +132,11 @@ inline uint32_t firstKeyOf(Entity entity) { return entity.index * kKeysOfEntity;
 dvec3 fieldOrigin(World& world);  // spawn.cpp
 // An entity as a message names it: by its Name if it has one.
 std::string nameOf(const World& world, Entity entity);  // spawn.cpp
+// What is wrong with clumps of these scales, spawn_clumps.cpp; empty: nothing.
+std::string faultOfClumps(const ClumpShape& shape, float smallest, float largest);
+// Spawns clumps of one form, by its scale; only what the specs say of place, motion and matter counts.
+void spawnClumpsOf(World& world, const ClumpForm& form, std::span<const float> scale,
+                   std::span<const ClumpSpec> specs);
 // Fills state.colliders with the world's colliders over the tick, by key; `origin`: the field's.
 void gatherColliders(GrainsState& state, const dvec3& origin, float dt);  // gather_colliders.cpp
 // Notes where the colliders are, for the next tick.

@@ -56,14 +56,20 @@ void step(GrainsState& state) {
                          std::span<GrainPrevious> previous, std::span<GrainRest> rest,
                          std::span<const GrainMaterial> material) {
     state.tables.push_back(
-        {entities, grain, velocity, spin, orientation, previous, material, rest});
+        {entities, grain, velocity, spin, orientation, previous, material, rest, {}});
   });
+  if (!state.members.empty())
+    state.members.spans([&](std::span<const Entity> entities, std::span<const GrainClump> clump) {
+      for (GrainRows& rows_of_table : state.tables)
+        if (rows_of_table.entity.data() == entities.data()) rows_of_table.clump = clump;
+    });
   state.solver.step(state.tables, state.colliders, parameters, rows);
   state.stepped = !state.tables.empty();
   world.singleton<GrainStats>() = state.solver.stats();
 
   const std::vector<Entity>& lost = state.solver.lost();
   const std::vector<Entity>& refused = state.solver.refused();
+  for (const Entity entity : state.solver.broken()) world.remove<GrainClump>(entity);
   if (!refused.empty()) reportRefused(world, refused);
   if (!lost.empty() || !refused.empty()) {
     world.destroyMany(lost);
