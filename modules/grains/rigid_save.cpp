@@ -10,8 +10,8 @@
 namespace scree::grains {
 namespace {
 
-bool finite(const dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool finite(const quat& q) { return std::isfinite(q.w + q.x + q.y + q.z); }
+bool allFinite(const dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool allFinite(const quat& q) { return std::isfinite(q.w + q.x + q.y + q.z); }
 
 // Calls visit(field) for each field of a row.
 template <class AnyRow, class Visit>
@@ -85,8 +85,8 @@ std::string Rigids::restore(ByteReader& in) {
     body.listed_rotation = in.number<quat>();
     body.slack = in.number<float>();
     if (body.key >= kKeyLimit || (k > 0 && body_.back().key >= body.key) || !(body.still >= 0) ||
-        !finite(body.anchor) || !finite(body.borne) || !(body.borne_size >= 0) || !finite(body.listed_position) ||
-        !finite(body.listed_rotation) || !(body.slack >= 0) || !(body.slack < 1e9f))
+        !allFinite(body.anchor) || !allFinite(body.borne) || !(body.borne_size >= 0) || !finite(body.listed_position) ||
+        !allFinite(body.listed_rotation) || !(body.slack >= 0) || !(body.slack < 1e9f))
       return fmt::format("rigid body {}: its key comes before the last one, or numbers that are not allowed", k);
     awake_ += body.asleep ? 0 : 1;
     body_.push_back(std::move(body));
@@ -102,7 +102,7 @@ std::string Rigids::restore(ByteReader& in) {
     contact.normal = in.number<dvec3>();
     contact.trusted = in.number<uint8_t>() != 0;
     const auto place = [](const RigidContact& c) { return std::tuple(c.key_a, c.key_b, c.feature); };
-    if (!finite(contact.impulse) || !finite(contact.normal) ||
+    if (!allFinite(contact.impulse) || !allFinite(contact.normal) ||
         (k > 0 && place(contact_.back()) >= place(contact)))
       return fmt::format("contact {} of rigid bodies: out of order, or not finite", k);
     contact_.push_back(contact);
