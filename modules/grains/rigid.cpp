@@ -92,17 +92,18 @@ void Rigids::freedom(Rigid& body, double h) const {
   const dmat3 inertia = body.turned * body.inertia * glm::transpose(body.turned);
   switch (row.freedom) {
     case Freedom::Free:
-      body.give_linear = dmat3(1 / body.mass);
-      body.give_angular = glm::inverse(inertia);
+      body.give_linear = dmat3(1 / (body.eased * body.mass));
+      body.give_angular = glm::inverse(body.eased * inertia);
       break;
     case Freedom::Hinge: {
       const dvec3 around = glm::cross(line, body.turned * (body.centre - dvec3(row.point_local)));
-      const double moment = glm::dot(line, inertia * line) + body.mass * glm::dot(around, around);
+      const double moment =
+          body.eased * (glm::dot(line, inertia * line) + body.mass * glm::dot(around, around));
       body.give_angular = outer(line, line) / (moment + h * static_cast<double>(row.resistance));
       break;
     }
     case Freedom::Slider:
-      body.give_linear = outer(line, line) / (body.mass + h * static_cast<double>(row.resistance) +
+      body.give_linear = outer(line, line) / (body.eased * body.mass + h * static_cast<double>(row.resistance) +
                                               h * h * static_cast<double>(row.stiffness));
       break;
   }
@@ -186,6 +187,28 @@ std::shared_ptr<const RigidForm> Rigids::outline(const Collider& collider) {
   return outline_.insert(at, made)->form;
 }
 
+void Rigids::ease(std::span<const ColliderSlab> slabs, const Bodies& grains, std::span<const Collider> colliders) {
+  constexpr double kMostRatio = 1000;
+  for (Rigid& body : body_) body.eased = 1;
+  for (const ColliderSlab& slab : slabs)
+    for (const ColliderContact& contact : slab.contact) {
+      if (!contact.gives || contact.impulse == vec3(0) || !isAwake(grains, contact.grain)) continue;
+      const uint32_t k = colliders[contact.collider].rigid;
+      if (k == kNoSlot || body_[k].asleep) continue;
+      Rigid& body = body_[k];
+      const Body& grain = grains.body[contact.grain];
+      const double mass = static_cast<double>(grain.gravity_scale) / static_cast<double>(grain.inverse_mass);  // true
+      if (mass > kMostRatio * body.mass) body.eased = std::max(body.eased, mass / (kMostRatio * body.mass));
+    }
+  for (const RigidContact& contact : contact_) {
+    if (contact.b == kNoSlot || contact.impulse == dvec3(0)) continue;
+    Rigid &a = body_[contact.a], &b = body_[contact.b];
+    Rigid& light = a.mass < b.mass ? a : b;
+    const double ratio = std::max(a.mass, b.mass) / (kMostRatio * light.mass);
+    if (!a.asleep && !b.asleep) light.eased = std::max(light.eased, ratio);
+  }
+}
+
 void Rigids::predict(vec3 gravity_step, float h, std::span<const Force> forces) {
   for (Rigid& body : body_) {
     if (body.asleep) continue;
@@ -207,7 +230,8 @@ void Rigids::predict(vec3 gravity_step, float h, std::span<const Force> forces) 
       const double stiffness = static_cast<double>(row.stiffness);
       const dvec3 line(row.line);
       const double travel = glm::dot(line, body.position - row.pivot);
-      body.velocity *= body.mass / (body.mass + step * resistance + step * step * stiffness);
+      const double mass = body.eased * body.mass;
+      body.velocity *= mass / (mass + step * resistance + step * step * stiffness);
       body.velocity -= body.give_linear * (line * (step * stiffness * travel));
     } else if (row.freedom == Freedom::Hinge) {
       // 1 - h c / (moment + h c).

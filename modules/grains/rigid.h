@@ -54,6 +54,7 @@ struct Rigid {
   std::shared_ptr<const RigidForm> form;
   RigidRow row;
   double mass = 0;
+  double eased = 1;   // mass that the solver uses / true mass: see ease()
   dvec3 centre{0};    // of mass, local
   dmat3 inertia{0};   // local, about the centre
   // State.
@@ -121,6 +122,10 @@ class Rigids {
   // How far an awake body's surface goes in the tick if nothing stops it, m.
   float motionOf(const Rigid& body, vec3 gravity, float dt) const;
 
+  // As GrainSolver::shareHeavyLoads(): a body has at least a thousandth of the mass of a grain or body that
+  // it touches while it does; forces stay those of its true mass. Grains keep theirs: made heavier, those
+  // under a boulder would throw their neighbours about.
+  void ease(std::span<const ColliderSlab> slabs, const Bodies& grains, std::span<const Collider> colliders);
   void predict(vec3 gravity_step, float h, std::span<const Force> forces);
   // Gives the colliders of bodies that may leave their slack within the substep new poses; true if any.
   bool relist(std::span<Collider> colliders, float h, float dt);
@@ -136,6 +141,13 @@ class Rigids {
   void relax(std::span<ColliderSlab> slabs, Body* grains, std::span<const Collider> colliders,
              std::span<const PosedCollider> posed, const PassSettings& settings);
   void relaxContacts(const PassSettings& settings);
+  // What bodies stand on has the last word, as colliders have for grains.
+  void endPasses(PassSettings settings) {
+    for (settings.standing = false; true; settings.standing = true) {
+      for (int k = 0; k < kRounds; ++k) relaxContacts(settings);
+      if (settings.standing) return;
+    }
+  }
   void move(vec3 gravity_step, float h);
   // Adds what contacts of bodies awake, or those of sleepers alone, press on colliders in so many substeps.
   void addLoads(std::span<Collider> colliders, bool awake, int times) const;
@@ -182,6 +194,7 @@ class Rigids {
   uint64_t solved_ = 0;
   std::vector<RigidContact> contact_, last_;  // by key_a, key_b, feature
   std::vector<Pressed> pressed_;
+  static constexpr int kRounds = 4;  // of a pass: bodies are few, stand on each other, and bear many grains
   struct Candidate {
     uint32_t feature;
     vec3 point, normal;  // normal of the other's surface

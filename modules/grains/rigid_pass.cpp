@@ -139,7 +139,7 @@ void Rigids::relaxContacts(const PassSettings& settings) {
   for (RigidContact& contact : contact_) {
     Rigid& a = body_[contact.a];
     Rigid* b = contact.b != kNoSlot && !body_[contact.b].asleep ? &body_[contact.b] : nullptr;
-    if (a.asleep && b == nullptr) continue;
+    if ((a.asleep && b == nullptr) || (settings.standing && contact.b != kNoSlot)) continue;
     const dvec3 n = contact.normal;
     dvec3 u = -contact.surface, moved(0);
     if (!a.asleep) {
@@ -189,7 +189,6 @@ void Rigids::relaxContacts(const PassSettings& settings) {
 
 void Rigids::relax(std::span<ColliderSlab> slabs, Body* grains, std::span<const Collider> colliders,
                    std::span<const PosedCollider> posed, const PassSettings& settings) {
-  constexpr int kRounds = 4;  // bodies are few, stand on each other, and bear many grains
   PassSettings round = settings;
   for (int k = 0; k < kRounds; ++k) {
     eachGiving(slabs, [&](ColliderSlab& slab, ColliderContact& contact) {

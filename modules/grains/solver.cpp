@@ -96,6 +96,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   }
   readyMasses();
   shareHeavyLoads();
+  if (rigids_.anyAwake()) rigids_.ease(slabsInUse(), bodies_, colliders);
   walls_due_ = true;
 
   for (int substep = 0; substep < substeps; ++substep) {
@@ -228,7 +229,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
       if (walls_.slab[s].driven) settleDriven(walls_.slab[s], body, posed_, settings);
     }
   }, worth);
-  if (bodies) rigids_.relaxContacts(settings);
+  if (bodies) rigids_.endPasses(settings);
   strikes_.note(pairs_, walls_, bodies_);
   bounce();
 }
