@@ -14,7 +14,7 @@ sys.dont_write_bytecode = True
 import textures  # noqa: E402  (needs the path above)
 from lib.check import Report, check_glb, check_png  # noqa: E402
 
-SCENES = ("beast", "level1", "empty_room", "test_materials", "hopper")
+SCENES = ("beast", "level1", "empty_room", "test_materials", "hopper", "wheel")
 FOLDERS = ("textures", "models", "levels")
 
 # Budgets: a level is drawn in software; a repository is cloned.

@@ -190,7 +190,7 @@ Bounds sweptBounds(const Collider& collider) {
     bounds.max = glm::max(bounds.max, high);
   }
   // A turning shape bulges beyond the hull of its two end poses, by no more than it moves.
-  if (collider.rotation0 != collider.rotation1) {
+  if (collider.rotation0 != collider.rotation1 || collider.slack > 0) {
     const float bulge = motionBound(collider);
     bounds.min -= bulge;
     bounds.max += bulge;
@@ -211,7 +211,7 @@ float motionBound(const Collider& collider) {
   const bool endless = collider.shape == Shape::Plane || !(reach < std::numeric_limits<float>::infinity());
   if (endless) reach = 0;
   const float tilt = endless && turn > 0 ? std::numeric_limits<float>::infinity() : 0.0f;
-  return glm::length(collider.position1 - collider.position0) + turn * reach + tilt;
+  return glm::length(collider.position1 - collider.position0) + turn * reach + tilt + collider.slack;
 }
 
 float thicknessOf(const Collider& collider) {

@@ -18,6 +18,9 @@ inline constexpr uint32_t kKeyLimit = 1u << 30;
 inline uint32_t partKey(uint32_t key, uint32_t part) { return key | part * kKeyLimit; }
 inline uint32_t colliderKey(uint32_t part_key) { return part_key & (kKeyLimit - 1); }
 
+// Of a collider that is no rigid body.
+inline constexpr uint32_t kNoRigid = 0xffffffffu;
+
 // One collider over one tick: it moves from pose 0 (tick's begin) to pose 1 (tick's end).
 struct Collider {
   uint32_t key = 0;  // identifies it from tick to tick; unique, less than kKeyLimit
@@ -34,6 +37,10 @@ struct Collider {
   float restitution = 0;
   float cohesion = 0;        // N/m
   vec3 surface_velocity{0};  // local, m/s
+  // Of a rigid body: poses 0 and 1 are where it was last listed, and no point of it is farther than
+  // `slack` m from there.
+  float slack = 0;
+  uint32_t rigid = kNoRigid;  // among the solver's bodies
   bool sensed = false;       // collect load: impulse and contacts
   // Out, of the tick: impulse of the grains on the collider, N s, and contacts that press at its
   // end.
@@ -52,6 +59,7 @@ struct PosedCollider {
   vec3 a{0}, b{0};  // world axes, relative to the field's origin
   float radius = 0;
   const DistanceField* field = nullptr;
+  bool gives = false;        // a rigid body awake: not solved in the slabs
   vec3 velocity{0};          // of `position`, m/s
   vec3 spin{0};              // rad/s
   vec3 surface_velocity{0};  // world axes

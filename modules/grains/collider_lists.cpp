@@ -24,7 +24,8 @@ bool alike(const Collider& a, const Collider& b) {
          a.half_extent == b.half_extent && a.a == b.a && a.b == b.b && a.radius == b.radius &&
          (a.field == b.field || (a.field_identity != 0 && a.field_identity == b.field_identity)) &&
          a.friction == b.friction && a.rolling_friction == b.rolling_friction &&
-         a.restitution == b.restitution && a.cohesion == b.cohesion && a.surface_velocity == b.surface_velocity;
+         a.restitution == b.restitution && a.cohesion == b.cohesion &&
+         a.surface_velocity == b.surface_velocity && a.slack == b.slack;
 }
 
 // As a saved world tells of it: the first tick brings the field.

@@ -19,6 +19,7 @@ void setSurface(ColliderContact& contact, const SurfacePoint& near, const Body& 
   contact.spin_factor = spinFactor(grain);
   contact.surface_velocity = velocityAt(collider, on_surface) + collider.surface_velocity;
   contact.surface_spin = collider.spin;
+  contact.gives = collider.gives;
 }
 
 bool drives(const PosedCollider& collider, const Body& grain, float h) {
@@ -54,6 +55,7 @@ void applyKeptColliders(ColliderSlab& slab, Body* body) {
   slab.bounces.clear();
   slab.deepest = 0;
   for (ColliderContact& contact : slab.contact) {
+    if (contact.gives) continue;
     const bool kept = contact.impulse != vec3(0);
     contact.approach = 0;
     contact.impulse *= contact.trust;
@@ -99,6 +101,7 @@ ImpactTime bounceOff(const ColliderContact& contact, float radius, float gap, fl
 void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollider> posed,
                     const PassSettings& settings) {
   for (ColliderContact& contact : slab.contact) {
+    if (contact.gives) continue;
     Body& grain = body[contact.grain];
     const vec3 normal = contact.normal;
     const float gap = glm::dot(normal, grain.position) - contact.offset - grain.radius;

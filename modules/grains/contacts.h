@@ -172,6 +172,7 @@ struct ColliderContact {
   uint32_t collider = 0;
   uint32_t key = 0;  // of the collider; of one of the points where a field touches: partKey
   bool guarded = false;  // see Guard
+  bool gives = false;    // with a rigid body awake: Rigids solves it
   vec3 impulse{0};   // on the grain, N s
   vec3 rolling{0};   // angular impulse on the grain, N m s
   float friction = 0, rolling_friction = 0, restitution = 0;

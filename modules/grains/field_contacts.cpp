@@ -14,6 +14,7 @@ void rest(ColliderContact& contact) {
   constexpr float kFarBelow = -1e30f;
   contact.impulse = contact.rolling = vec3(0);
   contact.offset = kFarBelow;
+  contact.gives = false;  // a body that nothing touches
   contact.flat = 0;
 }
 

@@ -28,7 +28,8 @@ GrainsState::GrainsState(World& world_in)
       sinks(world_in.query<const Transform, const GrainSink>()),
       force_query(world_in.query<const Transform, const GrainForce>()),
       blow_query(world_in.query<const Transform, const GrainBlow>()),
-      grids(world_in.query<const Transform, const GrainGrid>()) {
+      grids(world_in.query<const Transform, const GrainGrid>()),
+      bodies(world_in.query<const Transform, const RigidBody>()) {
   draw.drawn = world_in.query<const Grain, const GrainPrevious, const GrainOrientation,
                               const GrainSpin, const GrainLook>();
 }

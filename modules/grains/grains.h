@@ -19,6 +19,7 @@
 #include "engine/ecs/world.h"
 #include "modules/grains/clump.h"
 #include "modules/grains/interplay.h"
+#include "modules/grains/rigid_bodies.h"
 
 namespace scree {
 
@@ -281,6 +282,9 @@ class DistanceField {
     return 1;
   }
   virtual uint32_t mostTouches() const { return 1; }
+  // Of a closed surface of triangles: three corners each, counter-clockwise seen from outside. Empty:
+  // it is none, or not closed.
+  virtual std::span<const vec3> corners() const { return {}; }
   // Corners of a box around the surface; may be infinite if it never turns.
   virtual std::array<vec3, 2> bounds() const = 0;
   virtual size_t memoryBytes() const { return 0; }

@@ -92,11 +92,13 @@ void GrainSolver::stopDriven(std::span<const Collider> colliders, float t1) {
       for (const bool moving : {true, false})
         for (size_t k = 0; k < colliders.size(); ++k) {
           const Bounds& bounds = walls_.swept()[k].bounds;
-          if (colliders[k].moves() != moving || high.x < bounds.min.x || bounds.max.x < low.x ||
+          const bool gives = rigids_.awake(colliders[k]);
+          if ((colliders[k].moves() || gives) != moving || high.x < bounds.min.x || bounds.max.x < low.x ||
               high.y < bounds.min.y || bounds.max.y < low.y || high.z < bounds.min.z ||
               bounds.max.z < low.z)
             continue;
-          const PosedCollider end = moving ? poseCollider(colliders[k], t1, t1, 0) : posed_[k];
+          const PosedCollider end = gives ? rigids_.posed(colliders[k], posed_[k])
+                                    : moving ? poseCollider(colliders[k], t1, t1, 0) : posed_[k];
           if (colliders[k].shape == Shape::Plane) {  // no other side: only not deep in it
             const SurfacePoint near = nearestSurface(end, grain.position);
             if (near.distance < kDeep * grain.radius)
@@ -118,6 +120,7 @@ void GrainSolver::guard(std::span<const Collider> colliders, float t1) {
     posed_end_.resize(colliders.size());
     for (size_t k = 0; k < colliders.size(); ++k)
       posed_end_[k] = colliders[k].moves() ? poseCollider(colliders[k], t1, t1, 0) : posed_[k];
+    if (rigids_.anyAwake()) rigids_.pose(posed_end_, colliders);
     parallelChunks(walls_.slab_count, 4, [&](size_t, size_t begin, size_t end) {
       for (size_t s = begin; s < end; ++s)
         keepGuards(walls_.slab[s], bodies_.body.data(), posed_, posed_end_);

@@ -163,7 +163,7 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
   const auto extra = in.number<float>();
   if (!(extra >= 0) || !finite(extra)) return fmt::format("a drift by {} m; allowed is 0 or more", extra);
   const auto count = in.number<uint32_t>();
-  if (!in.has(count, 140)) return fmt::format("{} colliders reach beyond the end", count);
+  if (!in.has(count, 144)) return fmt::format("{} colliders reach beyond the end", count);
   std::vector<Collider> colliders(count);
   for (uint32_t k = 0; k < count; ++k)
     if (!readCollider(in, colliders[k]) || (k > 0 && colliders[k - 1].key >= colliders[k].key))

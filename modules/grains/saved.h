@@ -4,6 +4,7 @@
 //   sleepers, their contacts with each other and with colliders     sleepers_save.cpp
 //   bodies, and what woken grains brought along since the search    solver_save.cpp
 //   slabs; contacts of pairs and with colliders, by slab            lists_save.cpp
+//   rigid bodies and their contacts                                 rigid_save.cpp
 //
 // Little-endian, counts before lists. Positions, velocities and the like are in the rows of the
 // world, and are read from there in the first tick, which looks at all rows; a row that does not fit
@@ -18,6 +19,6 @@
 
 namespace scree::grains {
 
-inline constexpr uint32_t kSavedVersion = 2;
+inline constexpr uint32_t kSavedVersion = 3;
 
 }  // namespace scree::grains

@@ -11,8 +11,8 @@ template <class AnyCollider, class Visit>
 void eachSavedField(AnyCollider& collider, const Visit& visit) {
   // A new field does not compile until it is named here, and saved or left out.
   auto& [key, shape, position0, position1, rotation0, rotation1, half_extent, a, b, radius, field,
-         field_identity, friction, rolling_friction, restitution, cohesion, surface_velocity, sensed, load,
-         load_contacts] = collider;
+         field_identity, friction, rolling_friction, restitution, cohesion, surface_velocity, slack, rigid,
+         sensed, load, load_contacts] = collider;
   visit(key);
   visit(shape);
   visit(position0);
@@ -30,6 +30,8 @@ void eachSavedField(AnyCollider& collider, const Visit& visit) {
   visit(restitution);
   visit(cohesion);
   visit(surface_velocity);
+  visit(slack);
+  static_cast<void>(rigid);   // the next tick finds it
   static_cast<void>(sensed);  // the lists do not depend on it
   static_cast<void>(load);
   static_cast<void>(load_contacts);

@@ -38,10 +38,13 @@ void GrainSolver::findDisturbed(std::span<const Collider> colliders,
   for (const Collider& collider : colliders) {
     const bool same = walls_.sweptLast(collider) != nullptr;
     staying += same;
-    if (same && !collider.moves()) continue;
-    const Bounds bounds = sweptBounds(collider);
-    const float motion = motionBound(collider);
-    const PosedCollider begin = poseCollider(collider, 0, 0, 0);
+    const bool gives = rigids_.awake(collider);
+    if (same && !collider.moves() && !gives) continue;
+    // A body is where it is, not where it was listed.
+    const Collider swept = gives ? rigids_.overTick(collider, parameters.gravity, parameters.dt) : collider;
+    const Bounds bounds = sweptBounds(swept);
+    const float motion = motionBound(swept);
+    const PosedCollider begin = poseCollider(swept, 0, 0, 0);
     sleepers_.near(bounds.min, bounds.max, [&](uint32_t berth) {
       const Sleeper& sleeper = sleepers_[berth];
       const float reach = (sleeper.material.cohesion > 0 ? 1.01f + kReach : 1.01f) * sleeper.radius;
@@ -164,6 +167,11 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     if ((i & kStill) == 0) j |= kHeldUp;
     if ((j & kStill) == 0) i |= kHeldUp;
   });
+  // Who leans on a body awake may be moved by it.
+  if (rigids_.anyAwake())
+    for (const ColliderSlab& slab : slabsInUse())
+      for (const ColliderContact& contact : slab.contact)
+        if (contact.gives && contact.impulse != vec3(0)) settled_[contact.grain] |= kHeldUp;
   settleClumps(kStill);
   refill(load_, bodies_.count, Load{});
   eachContact([&](const PairSlab& slab, uint32_t c) { addPairLoad(slab, c); });
@@ -190,6 +198,8 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
   if (falling == 0 || kTogether * falling < awake_.size()) return;
   layToSleep(tables, gravity_step);
 }
+
+bool GrainSolver::isStill(uint32_t slot) const { return (settled_[slot] & kStill) != 0; }
 
 // Makes sleepers of those that fall asleep.
 void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_step) {
@@ -278,7 +288,13 @@ bool GrainSolver::sleepOn(std::span<Collider> colliders, const StepParameters& p
   if (!awake_.empty() || sleepers_.count() == 0 || adopt_due_ || !refused_.empty() || !lost_.empty())
     return false;
   strikes_.begin(parameters.strikes, parameters.substeps);
+  rigids_.begin(parameters.bodies, colliders);
+  if (rigids_.anyAwake()) return false;
   findDisturbed(colliders, parameters);
+  if (!rigids_.empty() && wakeRigids(colliders, parameters)) {
+    waking_.clear();
+    return false;
+  }
   if (!waking_.empty()) {
     waking_.clear();  // step() finds them again
     return false;
@@ -289,6 +305,7 @@ bool GrainSolver::sleepOn(std::span<Collider> colliders, const StepParameters& p
     collider.load_contacts = 0;
   }
   addSleepersLoads(colliders, std::clamp(parameters.substeps, 1, 64));
+  if (!rigids_.empty()) stepRigids(colliders, parameters);
   stats_.rebuilds = stats_.woken = 0;
   measure();
   return true;

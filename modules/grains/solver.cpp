@@ -69,6 +69,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
     wake(tables, gravity_step);
     readRows(tables);
   }
+  rigids_.begin(parameters.bodies, colliders);
   walls_.bringFields(colliders);
   findDisturbed(colliders, parameters);
   if (!parameters.blows.empty()) {
@@ -77,22 +78,35 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   }
   findStruck(parameters);
   wake(tables, gravity_step);
+  if (!rigids_.empty()) {
+    // A body that wakes wakes the grains on it, which may lean on another.
+    while (wakeRigids(colliders, parameters)) {
+      findDisturbed(colliders, parameters);
+      wake(tables, gravity_step);
+    }
+  }
   if (last_h_ > 0 && h != last_h_) scaleKeptImpulses(h / last_h_);
   last_h_ = h;
   last_gravity_ = parameters.gravity;
   if (awake_.empty()) {
     walls_.sweep(colliders);
+    if (!rigids_.empty()) stepRigids(colliders, parameters);
     addSleepersLoads(colliders, substeps);
     measure();
     return;
   }
   readyMasses();
   shareHeavyLoads();
+  if (rigids_.anyAwake()) rigids_.ease(slabsInUse(), bodies_, colliders);
   walls_due_ = true;
 
   for (int substep = 0; substep < substeps; ++substep) {
     ++age_;
     predict(gravity_step, h, parameters.forces);
+    if (rigids_.anyAwake()) {
+      rigids_.predict(gravity_step, h, parameters.forces);
+      walls_due_ = rigids_.relist(colliders, h, dt) || walls_due_;
+    }
     if (!strays_.empty() && (search_due_ || !followStrays(h))) search_due_ = left_margin_ = true;
     if (search_due_) searchNeighbours(h);
     if (walls_due_) listColliders(colliders, dt, h);
@@ -101,6 +115,10 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
     relax(colliders, parameters, h, substep);
     collectLoads(colliders, substep + 1 == substeps);
     move(gravity_step, h, keep, parameters.forces, !colliders.empty());
+    if (rigids_.anyAwake()) {
+      rigids_.addLoads(colliders, true, 1);
+      rigids_.move(gravity_step, h);
+    }
     if (clumps) clumps_.place(bodies_, gravity_step, h, keep);
     const float t1 = static_cast<float>(substep + 1) / static_cast<float>(substeps);
     guard(colliders, t1);
@@ -110,6 +128,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   writeRows(tables, parameters, dt);
   measure();
   settle(tables, parameters, gravity_step, dt);
+  if (!rigids_.empty()) settleRigids(colliders, parameters, dt);
   findUnbalanced(gravity_step);
   wake(tables, gravity_step);
   strikes_.close();
@@ -175,11 +194,10 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
   settings.bouncing = pairs_.bouncing;
   settings.cohesive = pairs_.cohesive;
 
-  const float substeps = static_cast<float>(std::clamp(parameters.substeps, 1, 64));
-  posed_.resize(colliders.size());
-  for (size_t k = 0; k < colliders.size(); ++k)
-    posed_[k] = poseCollider(colliders[k], static_cast<float>(substep) / substeps,
-                             static_cast<float>(substep + 1) / substeps, h);
+  const int substeps = std::clamp(parameters.substeps, 1, 64);
+  poseColliders(colliders, substep, substeps, h);
+  const bool bodies = rigids_.anyAwake();
+  if (bodies) rigids_.findContacts(colliders, posed_, walls_.swept(), h, h * static_cast<float>(substeps));
 
   Body* body = bodies_.body.data();
   const uint32_t slabs = pairs_.slab_count;
@@ -198,6 +216,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
     kernels_->applyKept(pairs, body, settings);
     applyKeptColliders(walls, body);
   });
+  if (bodies) rigids_.applyKept(slabsInUse(), body, colliders);
   const bool clumps = !clumps_.moving().empty();
   if (clumps) clumps_.project(bodies_);
   const int passes = std::clamp(parameters.passes, 1, 64);
@@ -207,6 +226,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
       kernels_->relax(pairs, body, bodies_.entity.data(), settings);
       relaxColliders(walls, body, posed_, settings);
     });
+    if (bodies) rigids_.relax(slabsInUse(), body, colliders, posed_, settings);
     if (clumps) clumps_.project(bodies_);
   }
   // Colliders have the last word: where more passes would be needed, grains overlap a little
@@ -219,6 +239,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
       if (walls_.slab[s].driven) settleDriven(walls_.slab[s], body, posed_, settings);
     }
   }, worth);
+  if (bodies) rigids_.endPasses(settings);
   strikes_.note(pairs_, walls_, bodies_);
   if (clumps) {
     clumps_.project(bodies_);
@@ -317,6 +338,7 @@ void GrainSolver::scaleKeptImpulses(float factor) {
       contact.rolling *= scale;
     }
   }
+  rigids_.scaleKept(static_cast<double>(scale));
   for (WokenPair& pair : woken_pairs_) {
     pair.impulse *= scale;
     pair.rolling *= scale;

@@ -25,6 +25,7 @@
 #include "modules/grains/forces.h"
 #include "modules/grains/grains.h"
 #include "modules/grains/grid.h"
+#include "modules/grains/rigid.h"
 #include "modules/grains/sleepers.h"
 #include "modules/grains/strikes.h"
 
@@ -57,6 +58,9 @@ struct StepParameters {
   std::span<const Force> forces;
   std::span<const Blow> blows;  // at the tick's begin
   StrikeLimits strikes;
+  // Rigid bodies, sorted by key; each has its collider. Written to.
+  std::span<RigidRow> bodies;
+  dvec3 origin{0};  // of the field: places of bodies are kept as they come back from the world
 };
 
 // Length of a substep, s.
@@ -102,6 +106,7 @@ class GrainSolver {
       visit(bodies_.entity[row.slot], bodies_.body[row.slot], bodies_.material[row.slot]);
   }
   const Sleepers& sleepers() const { return sleepers_; }
+  const Rigids& rigids() const { return rigids_; }
   // Whether these are all that the rows hold, once the lost and the refused are removed.
   bool current() const { return !adopt_due_; }
 
@@ -152,6 +157,8 @@ class GrainSolver {
   void settle(std::span<const GrainRows> tables, const StepParameters& parameters,
               vec3 gravity_step, float dt);
   void layToSleep(std::span<const GrainRows> tables, vec3 gravity_step);
+  // In settled_ of this tick: has been still for as long as it takes to fall asleep.
+  bool isStill(uint32_t slot) const;
   void addPairLoad(const PairSlab& slab, uint32_t contact);
   void bookLeftOver(vec3 gravity_step);
   void addSleepersLoads(std::span<Collider> colliders, int substeps) const;
@@ -164,6 +171,13 @@ class GrainSolver {
   void searchNeighbours(float h);
   void joinWoken();
   void listColliders(std::span<const Collider> colliders, float dt, float h);
+
+  // Rigid bodies, in solver_rigids.cpp.
+  bool wakeRigids(std::span<const Collider> colliders, const StepParameters& parameters);
+  void stepRigids(std::span<Collider> colliders, const StepParameters& parameters);
+  void poseColliders(std::span<const Collider> colliders, int substep, int substeps, float h);
+  void settleRigids(std::span<Collider> colliders, const StepParameters& parameters, float dt);
+  std::span<ColliderSlab> slabsInUse() { return std::span(walls_.slab).first(walls_.slab_count); }
 
   // Guards, in guard.cpp.
   void guard(std::span<const Collider> colliders, float t1);
@@ -202,6 +216,7 @@ class GrainSolver {
   const Kernels* kernels_ = &kBaselineKernels;
   PairLists pairs_;
   ColliderLists walls_;
+  Rigids rigids_;
   std::vector<AwakeRow> awake_;   // by row, over all tables
   size_t awake_sorted_ = 0;       // of them
   std::vector<uint32_t> place_;   // by entity index: slot, or berth with kBerthBit; kNoSlot
@@ -218,6 +233,7 @@ class GrainSolver {
     uint32_t slot;
     vec3 from;
   };
+  std::vector<uint8_t> moved_walls_;  // by collider
   std::vector<std::vector<Driven>> driven_;  // by chunk: grains beyond where they are listed
   std::vector<std::pair<uint32_t, vec3>> shifts_;  // of bounces, by slot
   std::vector<uint8_t> chunk_flags_;

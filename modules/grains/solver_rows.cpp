@@ -266,7 +266,8 @@ size_t GrainSolver::memoryBytes() const {
          joining_pairs_.capacity() * sizeof(JoiningPair) +
          joining_walls_.capacity() * sizeof(JoiningWall) +
          posed_.capacity() * sizeof(PosedCollider) + chunk_flags_.capacity() +
-         clump_rows_.capacity() * sizeof(ClumpRow) + forces_seen_.capacity() * sizeof(Force) + strikes_.memoryBytes();
+         clump_rows_.capacity() * sizeof(ClumpRow) + forces_seen_.capacity() * sizeof(Force) + strikes_.memoryBytes() +
+         rigids_.memoryBytes() + moved_walls_.capacity();
 }
 
 }  // namespace scree::grains

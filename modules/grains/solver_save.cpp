@@ -56,6 +56,7 @@ std::string GrainSolver::saved() const {
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) out.number(grid_.slabEnd(s));
   pairs_.save(out);
   walls_.save(out);
+  rigids_.save(out);
   return std::move(out.content);
 }
 
@@ -193,6 +194,7 @@ std::string GrainSolver::restoreLists(ByteReader& in, uint32_t) {
     return fmt::format("{} of {} bodies are listed, and no search is due", listed, bodies_.count);
   if (std::string wrong = pairs_.restore(in, begin, bodies_, !search_due_); !wrong.empty()) return wrong;
   if (std::string wrong = walls_.restore(in, begin, bodies_, !search_due_); !wrong.empty()) return wrong;
+  if (std::string wrong = rigids_.restore(in); !wrong.empty()) return wrong;
   if (slabs > 0) grid_.restore(begin, bodies_);
   if (!search_due_) padBodies(bodies_);
   return {};

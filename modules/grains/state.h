@@ -73,6 +73,7 @@ struct GrainsState {
   Query<const Transform, const GrainForce> force_query;
   Query<const Transform, const GrainBlow> blow_query;
   Query<const Transform, const GrainGrid> grids;
+  Query<const Transform, const RigidBody> bodies;
 
   GrainSolver solver;
   // Working memory of the step.
@@ -81,6 +82,9 @@ struct GrainsState {
   Shapes shapes;  // of hull, mesh and SDF colliders
   std::vector<Entity> collider_entities;  // of all collider components
   size_t refused_colliders = 0;  // in the last tick
+  std::vector<RigidRow> body_rows, body_rows_before;  // before the step
+  std::vector<Entity> body_entities;                  // of the rows
+  Refusals refused_bodies;
   Version rows_seen = 0;  // of the grains, after the last step
   Version regions_seen = 0;
   bool stepped = false;  // with grains, in the last tick: sensors hold what they did
@@ -141,6 +145,9 @@ void spawnClumpsOf(World& world, const ClumpForm& form, std::span<const float> s
 void gatherColliders(GrainsState& state, const dvec3& origin, float dt);  // gather_colliders.cpp
 // Notes where the colliders are, for the next tick.
 void keepColliderPoses(GrainsState& state);
+// Fills state.body_rows, after gatherColliders(); writes them back, after the solver's step.
+void gatherBodies(GrainsState& state, const dvec3& origin);  // gather_bodies.cpp
+void writeBodies(GrainsState& state, const dvec3& origin);
 // Fills the RegionSensors, after the solver's step; if the grains all sleep, only when the sensors
 // have changed.
 void senseRegions(GrainsState& state, const dvec3& origin, bool asleep);  // sensors.cpp

@@ -36,10 +36,14 @@ void step(GrainsState& state) {
   parameters.strikes = {asked.least_impulse, asked.least_speed};
 
   gatherColliders(state, origin, parameters.dt);
+  gatherBodies(state, origin);
+  parameters.bodies = state.body_rows;
+  parameters.origin = origin;
   // Sleepers that nobody touched: their columns are not even opened for writing.
   if (state.grains.version() == state.rows_seen &&
       state.solver.sleepOn(state.colliders, parameters)) {
     world.singleton<GrainStats>() = state.solver.stats();
+    writeBodies(state, origin);
     senseLoads(state);
     senseRegions(state, origin, true);
     keepColliderPoses(state);
@@ -64,7 +68,7 @@ void step(GrainsState& state) {
         if (rows_of_table.entity.data() == entities.data()) rows_of_table.clump = clump;
     });
   state.solver.step(state.tables, state.colliders, parameters, rows);
-  state.stepped = !state.tables.empty();
+  state.stepped = !state.tables.empty() || !state.body_rows.empty();
   world.singleton<GrainStats>() = state.solver.stats();
 
   const std::vector<Entity>& lost = state.solver.lost();
@@ -79,6 +83,7 @@ void step(GrainsState& state) {
     counted.refused += refused.size();
   }
   senseLoads(state);
+  writeBodies(state, origin);
   senseRegions(state, origin, false);
   keepColliderPoses(state);
   tellStrikes(state, origin);
@@ -90,8 +95,8 @@ void step(GrainsState& state) {
 SystemDesc stepSystem(const SharedState& state) {
   return {.name = "grains.step",
           .phase = Phase::Simulate,
-          // Once more after the last grain has gone, so that the sensors read zero.
-          .needs = [state] { return !state->grains.empty() || state->stepped; },
+          // Once more after the last grain or body has gone, so that the sensors read zero.
+          .needs = [state] { return !state->grains.empty() || !state->bodies.empty() || state->stepped; },
           .run =
               [state](World&) {
                 step(*state);

@@ -66,6 +66,9 @@ class SurfaceField : public DistanceField {
   uint32_t mostTouches() const override { return side_ == Side::Hull ? 1 : kMostTouches; }
 
   std::array<vec3, 2> bounds() const override { return {surface_.low() - half_, surface_.high() + half_}; }
+  std::span<const vec3> corners() const override {
+    return side_ != Side::Sheet ? surface_.corners() : std::span<const vec3>();
+  }
   size_t memoryBytes() const override { return sizeof *this + surface_.memoryBytes(); }
 
  private:

@@ -30,6 +30,7 @@ class TriangleSurface {
   vec3 low() const { return tree_.low(); }
   vec3 high() const { return tree_.high(); }
   std::span<const vec3> vertices() const { return vertex_; }
+  std::span<const vec3> corners() const { return corner_; }  // three a triangle
 
   // The nearest point within `most` m; `square` is infinite if there is none. `outward` is the sum of
   // the normals around it, weighted by their angles: its side is the side of the surface where p is
