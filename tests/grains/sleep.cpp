@@ -81,6 +81,30 @@ TEST(Sleep, HeapFallsAsleepAndStaysToTheBit) {
   EXPECT_LT(bed.deepestOverlap(), 0.01);
 }
 
+// Impulses in a deep packing with friction wander for long. Sleepers take that up: none is let go with
+// a push that wakes the next.
+TEST(Sleep, ADeepHeapOfEqualSpheresComesToRest) {
+  Bed bed(0, 0);
+  bed.parameters.passes = 4;
+  constexpr int kSide = 17;
+  const float spacing = 0.12f, half = 0.5f * spacing * kSide;
+  for (uint64_t k = 0; k < 5000; ++k) {
+    const vec3 cell(static_cast<float>(k % kSide) + 0.5f, static_cast<float>(k / (kSide * kSide)) + 0.75f,
+                    static_cast<float>(k / kSide % kSide) + 0.5f);
+    bed.add(cell * spacing - vec3(half, 0, half) + (unitCube(3, k) - 0.5f) * 0.015f, 0.05f,
+            {1000, 0.5f, 0, 0});
+  }
+  bed.colliders.clear();
+  bed.addBin(half, 0.5f);
+  for (Collider& c : bed.colliders) c.sensed = true;
+  bed.step(600);
+  EXPECT_GT(bed.asleep(), bed.grain.size() * 49 / 50);
+  double mass = 0, load = 0;
+  for (size_t k = 0; k < bed.grain.size(); ++k) mass += bed.mass(k);
+  for (const Collider& c : bed.colliders) load -= c.load.y * 60 / 9.81;
+  EXPECT_NEAR(load / mass, 1, 0.01);
+}
+
 TEST(Sleep, NothingSleepsInTheAir) {
   Bed bed(2, 2);
   bed.colliders.clear();
