@@ -273,6 +273,24 @@ TEST(Body, ScaleReadsTheWeight) {
   EXPECT_NEAR(travel * 4000 / kG / mass, 1, 0.005);
 }
 
+// Clumps meet bodies with each of their spheres.
+TEST(Body, ScaleReadsTheWeightOfClumps) {
+  BodyLevel level;
+  RigidBody plate;
+  plate.mass = 2;
+  const Entity e = level.world.spawn(at({0, 0.5, 0}), BoxCollider{.half_extent = {0.5f, 0.05f, 0.5f}, .friction = 0.9f}, plate,
+                                     BodySlider{.stiffness = 4000, .resistance = 200});
+  level.world.spawn(at({0, 0.68, 0}), GrainBlock{.count = {3, 1, 3}, .radius = 0.05f, .density = 2000, .rolling_friction = 0.1f},
+                    ClumpShape{.name = "bean"});
+  level.run(400);
+  double mass = 2;
+  for (const auto& [entity, s] : level.seen()) mass += Level::massOf(s);
+  EXPECT_EQ(level.count(), 18u);
+  const double read = -static_cast<double>(level.world.peek<BodySlider>(e)->travel) * 4000 / kG;
+  std::printf("scale reads %.4f kg of %.4f\n", read, mass);
+  EXPECT_NEAR(read / mass, 1, 0.005);
+}
+
 TEST(Body, DoesNotTunnel) {
   for (const float density : {100.0f, 5000.0f}) {
     BodyLevel level;
