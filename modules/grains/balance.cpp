@@ -196,10 +196,7 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
 
 // Sleepers on which those awake press otherwise than before.
 void GrainSolver::findUnbalanced(vec3 gravity_step) {
-  if (sleepers_.count() == 0) {
-    unpropped_.clear();
-    return;
-  }
+  if (sleepers_.count() == 0) return;
   border_.clear();
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
     const PairSlab& slab = pairs_.slab[s];
@@ -214,16 +211,20 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
     return a.sleeper != b.sleeper ? a.sleeper < b.sleeper : a.other < b.other;
   });
   uneasy_.clear();
-  falling_.assign(unpropped_.begin(), unpropped_.end());
-  unpropped_.clear();
+  falling_.assign(to_book_.begin(), to_book_.end());
+  to_book_.clear();
+  pressed_.clear();
   for (size_t k = 0; k < border_.size(); ++k) {
     const BorderContact& contact = border_[k];
     Sleeper& sleeper = sleepers_[contact.berth];
     if (k == 0 || contact.berth != border_[k - 1].berth) {
       uneasy_.push_back(sleepers_.firstOf(contact.berth));
       if (std::exchange(sleeper.propped, false)) falling_.push_back(contact.berth);
+      pressed_.push_back({contact.berth, vec3(0)});
     }
-    sleeper.propped = sleeper.propped || pairs_.slab[contact.slab].carriesImpulse(contact.contact);
+    const vec3 impulse = pairs_.slab[contact.slab].impulseAt(contact.contact);
+    sleeper.propped = sleeper.propped || impulse != vec3(0);
+    pressed_.back().impulse += contact.first ? impulse : -impulse;
   }
   // Each round lets the imbalance spread by a grain; what is left is small, and waits for the next tick.
   for (int round = 0; round < kSpread && !uneasy_.empty(); ++round) {
@@ -248,6 +249,7 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
   }
   partners_.clear();
   bookLeftOver(gravity_step);
+  for (const Pressed& pressed : pressed_) sleepers_.book(pressed.berth, gravity_step, pressed.impulse);
 }
 
 // By entity, each once.

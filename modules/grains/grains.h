@@ -312,7 +312,7 @@ struct ColliderShapes {
 // On a collider's entity: what the grains did to it in the last tick. Force = impulse / tick
 // length; at rest, -impulse.y / dt / g is the mass that lies on the collider.
 struct LoadSensor {
-  vec3 impulse{0};       // of all grains on this collider, world axes
+  vec3 impulse{0};       // of all grains and bodies on this collider, world axes
   uint32_t contacts = 0;  // grains that press on it at the tick's end
 };
 SCREE_COMPONENT(LoadSensor, (impulse, "N s"), (contacts, ""));

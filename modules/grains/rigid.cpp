@@ -111,6 +111,7 @@ void Rigids::freedom(Rigid& body, double h) const {
 
 void Rigids::begin(std::span<RigidRow> rows, std::span<Collider> colliders) {
   if (rows.empty() && body_.empty()) return;
+  for (Collider& collider : colliders) collider.rigid = kNoRigid;
   before_.swap(body_);
   body_.clear();
   awake_ = 0;
@@ -127,8 +128,8 @@ void Rigids::begin(std::span<RigidRow> rows, std::span<Collider> colliders) {
     const std::shared_ptr<const RigidForm> form = body.form;
     body.key = row.key;
     body.collider = static_cast<uint32_t>(at - colliders.begin());
-    ready(body, row, collider);
     collider.rigid = static_cast<uint32_t>(body_.size());
+    ready(body, row, collider);
     if (!same || (form != nullptr && form != body.form)) {
       body.asleep = false;
       wakeBody(body);  // counted below
@@ -172,7 +173,7 @@ uint32_t Rigids::number(uint32_t key) const {
 std::shared_ptr<const RigidForm> Rigids::outline(const Collider& collider) {
   const auto at = std::lower_bound(outline_.begin(), outline_.end(), collider.key,
                                    [](const Outline& kept, uint32_t key) { return kept.key < key; });
-  const bool filled = collider.rigid != kNoRigid || at == outline_.end() || at->key != collider.key || at->filled;
+  const bool filled = collider.rigid != kNoRigid;
   if (at != outline_.end() && at->key == collider.key && at->shape == collider.shape &&
       at->half == collider.half_extent && at->a == collider.a && at->b == collider.b &&
       at->radius == collider.radius && at->field == collider.field.get() && at->filled == filled)
@@ -187,13 +188,13 @@ std::shared_ptr<const RigidForm> Rigids::outline(const Collider& collider) {
   return outline_.insert(at, made)->form;
 }
 
-void Rigids::ease(std::span<const ColliderSlab> slabs, const Bodies& grains, std::span<const Collider> colliders) {
+void Rigids::ease(std::span<const ColliderSlab> slabs, const Bodies& grains) {
   constexpr double kMostRatio = 1000;
   for (Rigid& body : body_) body.eased = 1;
   for (const ColliderSlab& slab : slabs)
     for (const ColliderContact& contact : slab.contact) {
-      if (!contact.gives || contact.impulse == vec3(0) || !isAwake(grains, contact.grain)) continue;
-      const uint32_t k = colliders[contact.collider].rigid;
+      if (contact.impulse == vec3(0) || !isAwake(grains, contact.grain)) continue;
+      const uint32_t k = number(colliderKey(contact.key));  // listed in the last tick, among its colliders
       if (k == kNoSlot || body_[k].asleep) continue;
       Rigid& body = body_[k];
       const Body& grain = grains.body[contact.grain];

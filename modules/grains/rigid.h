@@ -125,7 +125,7 @@ class Rigids {
   // As GrainSolver::shareHeavyLoads(): a body has at least a thousandth of the mass of a grain or body that
   // it touches while it does; forces stay those of its true mass. Grains keep theirs: made heavier, those
   // under a boulder would throw their neighbours about.
-  void ease(std::span<const ColliderSlab> slabs, const Bodies& grains, std::span<const Collider> colliders);
+  void ease(std::span<const ColliderSlab> slabs, const Bodies& grains);
   void predict(vec3 gravity_step, float h, std::span<const Force> forces);
   // Gives the colliders of bodies that may leave their slack within the substep new poses; true if any.
   bool relist(std::span<Collider> colliders, float h, float dt);

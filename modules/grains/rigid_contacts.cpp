@@ -169,8 +169,8 @@ void Rigids::touch(uint32_t a, uint32_t b, uint32_t k, std::span<const Collider>
     contact.gap = static_cast<double>(c.distance);
     contact.friction = friction;
     contact.restitution = restitution;
-    contact.give_normal = giveAlong(body, contact.arm_a, contact.normal);
-    contact.give_across = giveAcross(body, contact.arm_a, contact.normal);
+    contact.give_normal = body.asleep ? 0 : giveAlong(body, contact.arm_a, contact.normal);
+    contact.give_across = body.asleep ? 0 : giveAcross(body, contact.arm_a, contact.normal);
     contact.surface = dvec3(other_pose.surface_velocity - own_pose.surface_velocity);
     if (b == kNoSlot) {
       contact.surface += dvec3(velocityAt(other_pose, c.point));

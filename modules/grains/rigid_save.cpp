@@ -102,7 +102,8 @@ std::string Rigids::restore(ByteReader& in) {
     contact.normal = in.number<dvec3>();
     contact.trusted = in.number<uint8_t>() != 0;
     const auto place = [](const RigidContact& c) { return std::tuple(c.key_a, c.key_b, c.feature); };
-    if (!allFinite(contact.impulse) || !allFinite(contact.normal) ||
+    constexpr double kMostImpulse = 1e30;  // N s: what it gives to velocities stays finite
+    if (!(glm::dot(contact.impulse, contact.impulse) <= kMostImpulse * kMostImpulse) || !allFinite(contact.normal) ||
         (k > 0 && place(contact_.back()) >= place(contact)))
       return fmt::format("contact {} of rigid bodies: out of order, or not finite", k);
     contact_.push_back(contact);

@@ -59,8 +59,10 @@ void GrainSolver::findDisturbed(std::span<const Collider> colliders,
         colliders.begin(), colliders.end(), swept.collider.key,
         [](const Collider& collider, uint32_t key) { return collider.key < key; });
     if (now == colliders.end() || now->key != swept.collider.key ||
-        walls_.sweptLast(*now) == nullptr)
+        walls_.sweptLast(*now) == nullptr) {
       sleepers_.pressing(swept.collider.key, [&](uint32_t berth) { waking_.push_back(berth); });
+      sleepers_.unbookAll(swept.collider.key, to_book_);
+    }
   }
 }
 
@@ -113,7 +115,10 @@ void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
   for (const uint32_t berth : partners_)
     if (sleepers_[berth].radius > 0) {
       sleepers_.weigh(berth, gravity_step);
-      sleepers_.unbook(berth);
+      sleepers_.eachOfClump(berth, [&](uint32_t member) {
+        sleepers_.unbook(member);
+        to_book_.push_back(member);
+      });
     }
   partners_.clear();
   // The rows of those that are new in awake_.
@@ -269,7 +274,16 @@ void GrainSolver::bookLeftOver(vec3 gravity_step) {
   std::sort(falling_.begin(), falling_.end());
   falling_.erase(std::unique(falling_.begin(), falling_.end()), falling_.end());
   for (const uint32_t berth : falling_) sleepers_.weigh(berth, gravity_step);
-  for (const uint32_t berth : falling_) sleepers_.book(berth, gravity_step);
+  // Of the others, those awake press on them: findUnbalanced() knows how much.
+  for (const uint32_t berth : falling_)
+    if (!sleepers_[berth].propped) sleepers_.book(berth, gravity_step, vec3(0));
+}
+
+void GrainSolver::bookRest(vec3 gravity_step) {
+  if (to_book_.empty()) return;
+  falling_.swap(to_book_);
+  to_book_.clear();
+  bookLeftOver(gravity_step);
 }
 
 // What sleepers press on sensed colliders, over a tick.
@@ -304,6 +318,7 @@ bool GrainSolver::sleepOn(std::span<Collider> colliders, const StepParameters& p
     collider.load = glm::dvec3(0);
     collider.load_contacts = 0;
   }
+  bookRest(parameters.gravity * substepOf(parameters));
   addSleepersLoads(colliders, std::clamp(parameters.substeps, 1, 64));
   if (!rigids_.empty()) stepRigids(colliders, parameters);
   stats_.rebuilds = stats_.woken = 0;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace scree::grains {
 
@@ -168,15 +169,23 @@ void Sleepers::pressWall(WallNode& node, vec3 impulse) {
 
 uint32_t Sleepers::groundUnder(uint32_t berth, vec3 up) const {
   constexpr int kMostSteps = 1024;  // clumps that hook into each other could lead round for ever
-  for (int step = 0; step < kMostSteps; ++step) {
-    float most = 0;
+  uint32_t other_way = kNoSlot;     // where a way ends on a grain awake: the last second support
+  for (int step = 0; step < kMostSteps && berth != kNoSlot; ++step) {
+    float most = 0, second = 0;
     uint32_t next = kNoSlot, ground = kNoSlot;
     eachOfClump(berth, [&](uint32_t member) {
       const Sleeper& own = sleeper_[member];
       for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
         const Sleeper& other = sleeper_[pair_.node[at].other];
         const float bears = glm::dot(pair_.node[at].impulse, up);
-        if (!(bears > most) || !(glm::dot(own.position - other.position, up) > 0)) continue;
+        if (!(bears > second) || !(glm::dot(own.position - other.position, up) > 0)) continue;
+        if (!(bears > most)) {
+          second = bears;
+          other_way = pair_.node[at].other;
+          continue;
+        }
+        if (next != kNoSlot) other_way = next;
+        second = most;
         most = bears;
         next = pair_.node[at].other;
         ground = kNoSlot;
@@ -188,8 +197,8 @@ uint32_t Sleepers::groundUnder(uint32_t berth, vec3 up) const {
         ground = colliderKey(wall_.node[at].key);
       }
     });
-    if (ground != kNoSlot || next == kNoSlot) return ground;
-    berth = next;
+    if (ground != kNoSlot) return ground;
+    berth = next != kNoSlot ? next : std::exchange(other_way, kNoSlot);
   }
   return kNoSlot;
 }
@@ -204,17 +213,32 @@ void Sleepers::unbook(uint32_t berth) {
   own.booked_on = kNoSlot;
 }
 
-void Sleepers::book(uint32_t berth, vec3 gravity_step) {
-  unbook(berth);
+void Sleepers::unbookAll(uint32_t key, std::vector<uint32_t>& berths) {
+  each([&](uint32_t berth) {
+    if (sleeper_[berth].booked_on != key) return;
+    unbook(berth);
+    berths.push_back(berth);
+  });
+}
+
+void Sleepers::book(uint32_t berth, vec3 gravity_step, vec3 pressed) {
   Sleeper& own = sleeper_[berth];
   const float g = std::sqrt(glm::dot(gravity_step, gravity_step));
-  if (own.propped || !(g > 0) || own.load.impulse == vec3(0)) return;
-  own.booked_on = groundUnder(berth, gravity_step * (-1 / g));
-  if (own.booked_on == kNoSlot) return;
-  own.booked = -own.load.impulse;
+  const vec3 left = own.load.impulse + pressed;
+  if (!(g > 0) || left == vec3(0)) return unbook(berth);
+  if (own.booked_on == kNoSlot) {
+    own.booked_on = groundUnder(berth, gravity_step * (-1 / g));
+    if (own.booked_on == kNoSlot) return;
+    ++wallLoad(own.booked_on).bookings;
+    own.booked = vec3(0);
+  }
   WallLoad& load = wallLoad(own.booked_on);
-  for (int axis = 0; axis < 3; ++axis) load.impulse[static_cast<size_t>(axis)].add(own.booked[axis]);
-  ++load.bookings;
+  for (int axis = 0; axis < 3; ++axis) {
+    ExactSum& sum = load.impulse[static_cast<size_t>(axis)];
+    sum.add(-own.booked[axis]);
+    sum.add(-left[axis]);
+  }
+  own.booked = -left;
 }
 
 void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<WokenWall>& walls,

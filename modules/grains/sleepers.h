@@ -30,7 +30,8 @@ class ExactSum {
  public:
   void add(float value) {
     constexpr double kMost = 0x1p44;
-    const double held = std::clamp(static_cast<double>(value), -kMost, kMost);
+    // NaN counts as nothing.
+    const double held = value == value ? std::clamp(static_cast<double>(value), -kMost, kMost) : 0.0;
     sum_ += static_cast<Int128>(held * kScale);
   }
   double value() const { return static_cast<double>(sum_) / kScale; }
@@ -46,7 +47,7 @@ struct Sleeper {
   float radius = 0;  // 0: nobody's berth
   uint32_t slot = kNoSlot;  // among the solver's bodies, if it lies near a grain awake
   uint32_t slot_before = kNoSlot;  // working memory of the solver
-  bool propped = false;  // a contact with a grain awake bears on it
+  bool propped = false;  // a contact with a grain awake presses on it
   uint32_t pairs = kNoSlot, walls = kNoSlot;  // first contacts in the lists of Sleepers
   uint32_t row = 0;
   uint32_t ring = kNoSlot, member = 0;  // of a clump: the next member's berth; its number
@@ -130,10 +131,13 @@ class Sleepers {
       while (sleeper_[berth].member != 0) berth = sleeper_[berth].ring;
     return berth;
   }
-  // What the contacts of a sleeper leave over, if it is not propped, is booked on the collider that its
-  // strongest supports lead down to: what all sleepers press is what they weigh. After weigh().
-  void book(uint32_t berth, vec3 gravity_step);
+  // What the contacts of a sleeper leave over, `pressed` being that of those with grains awake, is booked
+  // on the collider that its strongest supports lead down to when it is first booked: what all press is
+  // what they weigh. After weigh().
+  void book(uint32_t berth, vec3 gravity_step, vec3 pressed);
   void unbook(uint32_t berth);
+  // Of a collider that is no longer there; whose bookings these were go to `berths`.
+  void unbookAll(uint32_t key, std::vector<uint32_t>& berths);
 
   // If the load of the sleeper, or of its clump, is out of balance, changes all its contacts as little as balances force and
   // moment: those with other sleepers and with colliders, and `outer`, those with grains awake. False

@@ -143,8 +143,9 @@ std::string Sleepers::restoreWalls(ByteReader& in) {
       return fmt::format("sleepers on colliders are out of order at {}: sleeper {} of {}", k, owner[k],
                          count_);
     if (!finite(node.impulse) || !finite(node.rolling) || !finite(node.normal) ||
-        !finite(node.friction) || !finite(node.pull))
-      return fmt::format("sleeper {} presses on a collider with an impulse that is not finite", owner[k]);
+        !(node.friction >= 0) || !(node.pull >= 0) || !finite(node.friction) || !finite(node.pull) ||
+        !(glm::dot(node.normal, node.normal) < 1.01f))
+      return fmt::format("sleeper {} presses on a collider with numbers that are not allowed", owner[k]);
     wall_.node.push_back(node);
   }
   for (uint32_t k = count; k-- > 0;) {

@@ -90,6 +90,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   last_gravity_ = parameters.gravity;
   if (awake_.empty()) {
     walls_.sweep(colliders);
+    bookRest(gravity_step);
     if (!rigids_.empty()) stepRigids(colliders, parameters);
     addSleepersLoads(colliders, substeps);
     measure();
@@ -97,7 +98,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   }
   readyMasses();
   shareHeavyLoads();
-  if (rigids_.anyAwake()) rigids_.ease(slabsInUse(), bodies_, colliders);
+  if (rigids_.anyAwake()) rigids_.ease(slabsInUse(), bodies_);
   walls_due_ = true;
 
   for (int substep = 0; substep < substeps; ++substep) {
@@ -131,6 +132,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   if (!rigids_.empty()) settleRigids(colliders, parameters, dt);
   findUnbalanced(gravity_step);
   wake(tables, gravity_step);
+  bookRest(gravity_step);
   strikes_.close();
   adopt_due_ = adopt_due_ || !lost_.empty() || !refused_.empty() || !broken_.empty();
 }

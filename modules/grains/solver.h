@@ -161,6 +161,7 @@ class GrainSolver {
   bool isStill(uint32_t slot) const;
   void addPairLoad(const PairSlab& slab, uint32_t contact);
   void bookLeftOver(vec3 gravity_step);
+  void bookRest(vec3 gravity_step);
   void addSleepersLoads(std::span<Collider> colliders, int substeps) const;
 
   // Searches, in solver_search.cpp.
@@ -249,7 +250,13 @@ class GrainSolver {
     bool first;  // the sleeper is the contact's grain i
   };
   std::vector<BorderContact> border_;
-  std::vector<uint32_t> uneasy_, unpropped_;  // berths
+  std::vector<uint32_t> uneasy_;
+  std::vector<uint32_t> to_book_;  // berths whose load has changed since it was booked; empty between ticks
+  struct Pressed {
+    uint32_t berth;
+    vec3 impulse;  // of all grains awake, in the last substep, N s
+  };
+  std::vector<Pressed> pressed_;
   std::vector<Touch> touches_;
   std::vector<const BorderContact*> touching_;
   std::vector<uint8_t> settled_;  // by slot

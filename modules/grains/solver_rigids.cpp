@@ -39,7 +39,7 @@ void GrainSolver::stepRigids(std::span<Collider> colliders, const StepParameters
   settings.inverse_h = 1 / h;
   settings.gravity_step = parameters.gravity * h;
   settings.bounce_speed = std::max(0.05f, 2 * glm::length(settings.gravity_step));
-  if (rigids_.anyAwake()) rigids_.ease({}, bodies_, colliders);
+  if (rigids_.anyAwake()) rigids_.ease({}, bodies_);
   for (int substep = 0; substep < substeps && rigids_.anyAwake(); ++substep) {
     rigids_.predict(settings.gravity_step, h, parameters.forces);
     if (rigids_.relist(colliders, h, dt)) walls_.sweep(colliders);

@@ -102,7 +102,7 @@ void GrainSolver::gatherNear(float h) {
       if (!isAsleep(bodies_, k)) continue;
       Sleeper& sleeper = sleepers_[bodies_.berth[k]];
       sleeper.slot = kNoSlot;
-      if (std::exchange(sleeper.propped, false)) unpropped_.push_back(bodies_.berth[k]);
+      if (std::exchange(sleeper.propped, false)) to_book_.push_back(bodies_.berth[k]);
       sleeper.slot_before = before;
       partners_.push_back(bodies_.berth[k]);
       continue;
