@@ -124,12 +124,30 @@ ClumpForm formOf(std::span<const Sphere> spheres) {
   return form;
 }
 
+const ClumpShape& membersOf(const ClumpShape& shape) { return *found(shape); }
+
 ClumpForm formOf(const ClumpShape& shape) {
-  const ClumpShape& own = *found(shape);
+  const ClumpShape& own = membersOf(shape);
   std::array<Sphere, kMostMembers> spheres;
   const auto n = static_cast<size_t>(own.count);
   for (size_t k = 0; k < n; ++k) spheres[k] = {own.offset[k], own.radius[k]};
   return formOf(std::span<const Sphere>(spheres).first(n));
+}
+
+const ClumpForm& ClumpForms::of(const ClumpShape& shape) {
+  const ClumpShape& own = membersOf(shape);
+  const auto n = static_cast<size_t>(own.count);
+  for (const Made& made : form_) {
+    // To the bit, so that a form does not depend on who asked before.
+    if (made.shape.count == own.count &&
+        std::memcmp(made.shape.offset.data(), own.offset.data(), n * sizeof(vec3)) == 0 &&
+        std::memcmp(made.shape.radius.data(), own.radius.data(), n * sizeof(float)) == 0)
+      return made.form;
+  }
+  if (form_.size() < kMost) form_.emplace_back();
+  Made& made = form_[made_++ % kMost];  // the oldest, if there are as many
+  made = {own, formOf(own)};
+  return made.form;
 }
 
 }  // namespace grains

@@ -50,7 +50,7 @@ struct Mouth {
     spec.orientation.rotation =
         glm::normalize(quat(draw(1) + 0.01f, spread(2), spread(3), spread(4)));
     spec.velocity.linear = velocity + e.spread * inUnitBall<3>(e.seed, number, kOfVelocity);
-    spec.material = {e.density, e.friction, e.rolling_friction, e.restitution, e.cohesion};
+    spec.material = materialOf(e);
     spec.look = {e.color * (1 + e.color_jitter * spread(5)), e.roughness};
     return spec;
   }
@@ -92,7 +92,7 @@ class Emission {
       count = std::min(count, emitter.most - emitter.emitted);
     }
     emitter.due = std::min(total - static_cast<double>(count), 1.0);
-    form_ = count > 0 && shape != nullptr ? formOf(*shape) : ClumpForm{.count = 1, .bound = 1};
+    form_ = count > 0 && shape != nullptr ? state_.forms.of(*shape) : ClumpForm{.count = 1, .bound = 1};
     if (count > 0) stream(emitter, *transform, count, total);
     if (emitter.most > 0 && emitter.emitted >= emitter.most) emitter.due = 0;
     *state_.world.find<GrainEmitter>(entity) = emitter;

@@ -1,12 +1,16 @@
 // grains.sink: regions swallow the grains in them.
 #include <algorithm>
+#include <tuple>
 
 #include "modules/grains/region.h"
 
 namespace scree::grains {
 namespace {
 
-bool byEntity(const Swallowed& a, const Swallowed& b) { return a.entity < b.entity; }
+// Clumps whole. By entity alone they would not be: handles used again come in any order.
+bool byWhole(const Swallowed& a, const Swallowed& b) {
+  return std::tie(a.whole, a.entity) < std::tie(b.whole, b.entity);
+}
 
 // The members of those clumps of which a member is inside. Their first member knows none of them, so all
 // members are looked through.
@@ -23,21 +27,14 @@ void takeWholeClumps(GrainsState& state) {
     if (!std::binary_search(first.begin(), first.end(), clump.first)) return;
     const Grain& grain = *state.world.peek<Grain>(entity);
     const GrainMaterial& material = *state.world.peek<GrainMaterial>(entity);
-    state.inside.push_back({entity, volumeOf(grain.radius) * static_cast<double>(material.density)});
+    state.inside.push_back({clump.first, entity, volumeOf(grain.radius) * static_cast<double>(material.density)});
   });
 }
 
 // How many of `inside`, sorted, a sink takes that has room for `room`: whole clumps.
-size_t wholeUpTo(const World& world, std::span<const Swallowed> inside, size_t room) {
+size_t wholeUpTo(std::span<const Swallowed> inside, size_t room) {
   if (inside.size() <= room) return inside.size();
-  const GrainClump* last = world.peek<GrainClump>(inside[room - 1].entity);
-  if (last == nullptr) return room;
-  // Members of a clump are neighbours in this order if nobody spawned them one by one.
-  while (room < inside.size()) {
-    const GrainClump* next = world.peek<GrainClump>(inside[room].entity);
-    if (next == nullptr || next->first != last->first) break;
-    ++room;
-  }
+  while (room < inside.size() && inside[room].whole == inside[room - 1].whole) ++room;
   return room;
 }
 
@@ -66,12 +63,13 @@ void swallow(GrainsState& state) {
     eachGrainNear(state, region.low, region.high, [&](const SeenGrain& grain) {
       if (region.holds(grain.position) &&
           !std::binary_search(doomed.begin(), doomed.end(), grain.entity))
-        inside.push_back({grain.entity, volumeOf(grain.radius) * static_cast<double>(grain.density)});
+        inside.push_back({grain.entity, grain.entity,
+                          volumeOf(grain.radius) * static_cast<double>(grain.density)});
     });
     if (inside.empty()) continue;
     if (!state.members.empty()) takeWholeClumps(state);
-    std::sort(inside.begin(), inside.end(), byEntity);
-    if (sink.most > 0) inside.resize(wholeUpTo(world, inside, sink.most - sink.count));
+    std::sort(inside.begin(), inside.end(), byWhole);
+    if (sink.most > 0) inside.resize(wholeUpTo(inside, sink.most - sink.count));
     GrainSink& counted = *world.find<GrainSink>(entity);
     counted.count += inside.size();
     for (const Swallowed& grain : inside) {

@@ -32,15 +32,16 @@ struct FoundBlock {
   std::optional<ClumpShape> shape;
 };
 
-// What is wrong with a block in a world that has `grains_so_far`; empty: nothing.
-std::string faultIn(const GrainBlock& block, const ClumpShape* shape, size_t grains_so_far) {
+// What is wrong with a block in the world as it is; empty: nothing.
+std::string faultIn(GrainsState& state, const GrainBlock& block, const ClumpShape* shape) {
+  const size_t grains_so_far = state.grains.count();
   if (std::string wrong = fault(block); !wrong.empty()) return wrong;
   double total = 1.0 * block.count[0] * block.count[1] * block.count[2];
   if (shape != nullptr) {
     const float largest = block.radius * (1 + block.radius_jitter);
     std::string wrong = faultOfClumps(*shape, block.radius * (1 - block.radius_jitter), largest);
     if (!wrong.empty()) return wrong;
-    const ClumpForm form = formOf(*shape);
+    const ClumpForm& form = state.forms.of(*shape);
     if (block.spacing != 0) wrong = firstFault({{"spacing", block.spacing, 2.0 * largest * form.bound, 1e6}});
     if (!wrong.empty()) return wrong;
     total *= form.count;
@@ -80,9 +81,8 @@ Point pointOf(const FoundBlock& found, size_t k, vec3 base, float spacing, float
   return point;
 }
 
-void spawnBlockOfClumps(World& world, const FoundBlock& found, const dvec3& origin) {
+void spawnBlockOfClumps(World& world, const FoundBlock& found, const ClumpForm& form, const dvec3& origin) {
   const GrainBlock& block = found.block;
-  const ClumpForm form = formOf(*found.shape);
   const float largest = block.radius * (1 + block.radius_jitter);
   const float spacing = block.spacing > 0 ? block.spacing : 2.02f * largest * form.bound;
   const vec3 base = vec3(found.transform.position - origin);
@@ -95,7 +95,7 @@ void spawnBlockOfClumps(World& world, const FoundBlock& found, const dvec3& orig
     scale[k] = point.scale;
     specs[k].position = point.position;
     specs[k].rotation = point.rotation;
-    specs[k].material = {block.density, block.friction, block.rolling_friction, block.restitution};
+    specs[k].material = materialOf(block);
     specs[k].look = point.look;
   }
   spawnClumpsOf(world, form, scale, specs);
@@ -109,11 +109,9 @@ void spawnBlock(World& world, const FoundBlock& found, const dvec3& origin) {
   const size_t total = static_cast<size_t>(block.count[0]) * static_cast<size_t>(block.count[1]) *
                        static_cast<size_t>(block.count[2]);
   if (total == 0) return;
-  const GrainMaterial material{block.density, block.friction, block.rolling_friction,
-                               block.restitution, block.cohesion};
   const TableRows rows =
       world.spawnMany(total, Grain{}, GrainVelocity{}, GrainSpin{}, GrainOrientation{},
-                      GrainPrevious{}, GrainRest{}, material,
+                      GrainPrevious{}, GrainRest{}, materialOf(block),
                       GrainLook{block.color, block.roughness});
   const std::span<Grain> grain = rows.column<Grain>();
   const std::span<GrainPrevious> previous = rows.column<GrainPrevious>();
@@ -148,11 +146,11 @@ void spawnBlocks(GrainsState& state) {
   const dvec3 origin = field.origin;
   for (const FoundBlock& block : found) {
     const ClumpShape* shape = block.shape ? &*block.shape : nullptr;
-    if (const std::string wrong = faultIn(block.block, shape, state.grains.count()); !wrong.empty()) {
+    if (const std::string wrong = faultIn(state, block.block, shape); !wrong.empty()) {
       if (refused++ == 0)
         logWarning("grains.spawn: GrainBlock of {} refused: {}", nameOf(world, block.entity), wrong);
     } else if (shape != nullptr) {
-      spawnBlockOfClumps(world, block, origin);
+      spawnBlockOfClumps(world, block, state.forms.of(*shape), origin);
     } else {
       spawnBlock(world, block, origin);
     }

@@ -38,6 +38,7 @@ struct RegionOfSleepers {
 
 // A grain inside a sink.
 struct Swallowed {
+  Entity whole;  // first member of its clump, or the grain itself
   Entity entity;
   double mass;  // kg
 };
@@ -95,6 +96,7 @@ struct GrainsState {
   std::vector<RegionOfSleepers> regions_of_sleepers;
   std::vector<Entity> entities;  // with the component at hand, sorted
   std::vector<GrainSpec> emitted;
+  ClumpForms forms;  // of blocks and emitters
   std::vector<ClumpSpec> emitted_clumps;  // of one emitter
   std::vector<float> clump_scale;
   std::vector<Entity> swallowed_clumps;  // their first members
@@ -136,6 +138,11 @@ inline uint32_t firstKeyOf(Entity entity) { return entity.index * kKeysOfEntity;
 dvec3 fieldOrigin(World& world);  // spawn.cpp
 // An entity as a message names it: by its Name if it has one.
 std::string nameOf(const World& world, Entity entity);  // spawn.cpp
+// What a block or an emitter says of its grains' matter.
+template <class Maker>
+GrainMaterial materialOf(const Maker& m) {
+  return {m.density, m.friction, m.rolling_friction, m.restitution, m.cohesion};
+}
 // What is wrong with clumps of these scales, spawn_clumps.cpp; empty: nothing.
 std::string faultOfClumps(const ClumpShape& shape, float smallest, float largest);
 // Spawns clumps of one form, by its scale; only what the specs say of place, motion and matter counts.

@@ -96,6 +96,86 @@ TEST(ClumpWorld, SinkWithALimitTakesWholeClumps) {
   EXPECT_EQ(level.count(), 4u);
 }
 
+// Handles used again do not come in order: the members of one clump lie around those of another.
+TEST(ClumpWorld, SinkWithALimitTakesWholeClumpsOfRecycledHandles) {
+  Level level;
+  level.weightless();
+  const Entity sink = level.world.spawn(at({0, 0, 0}), GrainSink{.half_extent = vec3(3), .most = 1});
+  std::vector<Entity> grain;
+  for (int k = 0; k < 4; ++k) grain.push_back(level.grain(vec3(0.5f * static_cast<float>(k), 0, 0)));
+  std::sort(grain.begin(), grain.end());
+  for (const size_t k : {2u, 1u, 3u, 0u}) level.world.destroy(grain[k]);
+  spawnClumps(level.world, std::vector{bean(vec3(0)), bean(vec3(1, 0, 0))});
+  std::vector<Entity> first;
+  for (const Entity e : members(level.world)) first.push_back(level.world.peek<GrainClump>(e)->first);
+  ASSERT_EQ(first.size(), 4u);
+  ASSERT_EQ(first[0], first[3]);
+  ASSERT_EQ(first[1], first[2]);
+  ASSERT_NE(first[0], first[1]);
+  level.run(2);
+  EXPECT_EQ(level.world.peek<GrainSink>(sink)->count, 2u);
+  const std::vector<Entity> left = members(level.world);
+  ASSERT_EQ(left.size(), 2u);
+  for (const Entity e : left) EXPECT_EQ(level.world.peek<GrainClump>(e)->first, first[1]);
+}
+
+TEST(ClumpWorld, MembersAreOfTheirMakersMatter) {
+  Level level;
+  GrainBlock block;
+  block.count = {2, 1, 2};
+  GrainEmitter emitter;
+  emitter.rate = 600;
+  emitter.most = 5;
+  const auto set = [](auto& maker) {
+    maker.friction = 0.3f;
+    maker.rolling_friction = 0.1f;
+    maker.restitution = 0.2f;
+    maker.cohesion = 0.7f;
+  };
+  set(block);
+  set(emitter);
+  level.world.spawn(at({0, 1, 0}), block, named("bean"));
+  level.world.spawn(at({0, 5, 0}), emitter, named("bean"));
+  level.run(60);
+  size_t seen = 0;
+  level.world.query<const GrainMaterial, const GrainClump>().each([&](const GrainMaterial& m, const GrainClump&) {
+    ++seen;
+    EXPECT_EQ(m.friction, 0.3f);
+    EXPECT_EQ(m.rolling_friction, 0.1f);
+    EXPECT_EQ(m.restitution, 0.2f);
+    EXPECT_EQ(m.cohesion, 0.7f);
+  });
+  EXPECT_EQ(seen, 18u);
+}
+
+// An emitter asks in each tick.
+TEST(ClumpWorld, FormsAreMadeOncePerShape) {
+  ClumpForms forms;
+  ClumpShape shape = named("rod");
+  const ClumpForm rod = forms.of(shape);
+  EXPECT_EQ(rod.density_share, formOf(shape).density_share);
+  EXPECT_EQ(rod.arm, formOf(shape).arm);
+  shape.radius[0] = 2;  // of no account beside a name
+  EXPECT_EQ(forms.of(shape).radius, rod.radius);
+  EXPECT_EQ(forms.made(), 1u);
+  shape.name[0] = 0;
+  EXPECT_EQ(forms.of(shape).radius[0], 2);
+  shape.radius[3] = 5;  // no member
+  forms.of(shape);
+  EXPECT_EQ(forms.made(), 2u);
+  shape.offset[1].x += 0.1f;
+  EXPECT_EQ(forms.of(shape).arm, formOf(shape).arm);
+  EXPECT_EQ(forms.made(), 3u);
+  // The oldest give way.
+  for (int k = 0; k < 200; ++k) {
+    shape.radius[0] = 1 + 0.01f * static_cast<float>(k);
+    EXPECT_EQ(forms.of(shape).bound, formOf(shape).bound);
+  }
+  EXPECT_EQ(forms.made(), 203u);
+  EXPECT_EQ(forms.of(named("rod")).arm, rod.arm);
+  EXPECT_EQ(forms.made(), 204u);
+}
+
 TEST(ClumpWorld, RegionSensorsWeighTheUnion) {
   Level level;
   level.weightless();
@@ -138,6 +218,15 @@ TEST(ClumpWorld, RefusesWhatIsNotAllowed) {
   spawnClumps(level.world, specs);
   EXPECT_EQ(level.count(), 2u);
   EXPECT_EQ(grainField(level.world).refused, 5u);
+
+  for (const float cohesion : {-1.0f, 2e6f, kNan}) {
+    ClumpSpec spec = bean(vec3(0, 3, 0));
+    spec.material.cohesion = cohesion;
+    EXPECT_NE(fault(spec).find("cohesion"), std::string::npos) << fault(spec);
+    spawnClumps(level.world, {&spec, 1});
+  }
+  EXPECT_EQ(level.count(), 2u);
+  EXPECT_EQ(grainField(level.world).refused, 8u);
 }
 
 TEST(ClumpWorld, MembersSetFreeLoseTheirComponent) {
