@@ -12,7 +12,6 @@
 namespace scree::grains {
 namespace {
 
-dmat3 outer(const dvec3& a, const dvec3& b) { return dmat3(a * b.x, a * b.y, a * b.z); }
 
 dquat turnedBy(const dquat& q, const dvec3& angle) {
   // Rotation by 2 atan(|half|); with the series of tan the angle is right to (angle / 2)^7.
@@ -99,11 +98,11 @@ void Rigids::freedom(Rigid& body, double h) const {
       const dvec3 around = glm::cross(line, body.turned * (body.centre - dvec3(row.point_local)));
       const double moment =
           body.eased * (glm::dot(line, inertia * line) + body.mass * glm::dot(around, around));
-      body.give_angular = outer(line, line) / (moment + h * static_cast<double>(row.resistance));
+      body.give_angular = glm::outerProduct(line, line) / (moment + h * static_cast<double>(row.resistance));
       break;
     }
     case Freedom::Slider:
-      body.give_linear = outer(line, line) / (body.eased * body.mass + h * static_cast<double>(row.resistance) +
+      body.give_linear = glm::outerProduct(line, line) / (body.eased * body.mass + h * static_cast<double>(row.resistance) +
                                               h * h * static_cast<double>(row.stiffness));
       break;
   }

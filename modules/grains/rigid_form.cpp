@@ -3,6 +3,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include <algorithm>
 #include <array>
@@ -31,7 +32,6 @@ dmat3 inertiaOf(const dmat3& second) {
   const double trace = second[0][0] + second[1][1] + second[2][2];
   return diagonal(trace, trace, trace) - second;
 }
-dmat3 outer(const dvec3& a, const dvec3& b) { return dmat3(a * b.x, a * b.y, a * b.z); }
 
 void boxOutline(const Collider& box, RigidForm& form) {
   for (uint32_t k = 0; k < 8; ++k)
@@ -67,7 +67,7 @@ void fillCapsule(const Collider& capsule, RigidForm& form) {
   const double along = tube * length * length / 12 +
                        ball * (r * r / 5 + length * length / 4 + 3.0 / 8 * length * r);
   dmat3 second = diagonal(across, across, across);
-  if (length > 0) second += outer(axis, axis) * ((along - across) / (length * length));
+  if (length > 0) second += glm::outerProduct(axis, axis) * ((along - across) / (length * length));
   form.inertia = inertiaOf(second);
 }
 
@@ -83,13 +83,13 @@ void fillTriangles(std::span<const vec3> corners, RigidForm& form) {
     const dvec3 sum = a + b + c;
     volume += v;
     first += sum * (v / 4);
-    second += (outer(a, a) + outer(b, b) + outer(c, c) + outer(sum, sum)) * (v / 20);
+    second += (glm::outerProduct(a, a) + glm::outerProduct(b, b) + glm::outerProduct(c, c) + glm::outerProduct(sum, sum)) * (v / 20);
   }
   if (!(volume > 0)) return;
   const dvec3 centre = first / volume;
   form.volume = volume;
   form.centre = from + centre;
-  form.inertia = inertiaOf(second - outer(centre, centre) * volume);
+  form.inertia = inertiaOf(second - glm::outerProduct(centre, centre) * volume);
 }
 
 // Cells of a lattice count by how much of them is inside.
@@ -112,7 +112,7 @@ void fillField(const DistanceField& field, RigidForm& form) {
         const double v = std::clamp(0.5 - distance / cell, 0.0, 1.0);
         volume += v;
         first += v * p;
-        second += outer(p, p) * v;
+        second += glm::outerProduct(p, p) * v;
       }
   if (!(volume > 0)) return;
   const double whole = cell * cell * cell;
@@ -121,7 +121,7 @@ void fillField(const DistanceField& field, RigidForm& form) {
   form.centre = middle + centre;
   // A cell's own second moment is that of a cube.
   const double own = cell * cell / 12 * volume;
-  form.inertia = inertiaOf((second - outer(centre, centre) * volume + diagonal(own, own, own)) * whole);
+  form.inertia = inertiaOf((second - glm::outerProduct(centre, centre) * volume + diagonal(own, own, own)) * whole);
 }
 
 // Takes the points that are farthest from those taken so far, from the farthest out on.
