@@ -21,7 +21,7 @@ namespace {
 
 using dvec3 = glm::dvec3;
 
-float length(vec3 v) { return std::sqrt(glm::dot(v, v)); }
+using glm::length;
 
 // Whether more than a share of what is allowed is left over.
 bool uneasy(const Load& load, float weight, float share = 1) {

@@ -25,8 +25,6 @@ dmat3 inertiaAt(double m, dvec3 arm, double radius) {
   return m * (dmat3(square) - glm::outerProduct(arm, arm));
 }
 
-float lengthOf(vec3 v) { return std::sqrt(glm::dot(v, v)); }
-
 // The most that a member of solver mass 1 answers an impulse, set against a free sphere of mass 1: an
 // upper bound of the largest eigenvalue (its translation's plus its rotation's).
 double answerOf(const Clump& clump, uint32_t k) {
@@ -48,7 +46,7 @@ void chooseSolverMasses(Clump& clump) {
 
 // Adds to `shift` what it lacks along `way` to be as far.
 void goAlong(vec3& shift, vec3 way) {
-  const float length = lengthOf(way);
+  const float length = glm::length(way);
   if (!(length > 0)) return;
   const vec3 direction = way / length;
   shift += std::max(0.0f, length - glm::dot(shift, direction)) * direction;
@@ -187,7 +185,7 @@ void Clumps::begin(Bodies& bodies) {
     m.centre = inverse * centre;
     m.velocity = vec3(inverse * velocity);
     m.velocity_before = vec3(inverse * before);
-    m.pushed = lengthOf(m.velocity - m.velocity_before);
+    m.pushed = glm::length(m.velocity - m.velocity_before);
     m.spin = m.spin_before = vec3(inverse_inertia * momentum);
     m.shift = m.turn = m.bounce = vec3(0);
     for (uint32_t k = 0; k < clump.count; ++k) {
@@ -237,7 +235,7 @@ void Clumps::noteShifts(const Bodies& bodies) {
     m.shift = sum / clump.total;
     constexpr float kMostTurn = 0.5f;  // rad
     m.turn = m.inverse_inertia * moment;
-    const float turn = lengthOf(m.turn);
+    const float turn = glm::length(m.turn);
     if (turn > kMostTurn) m.turn *= kMostTurn / turn;
   });
 }
@@ -256,7 +254,7 @@ void Clumps::noteBounces(const Bodies& bodies) {
 void Clumps::place(Bodies& bodies, vec3 gravity_step, float h, float keep) {
   each([&](Clump& clump, Moving& m) {
     const vec3 change = m.velocity - m.velocity_before;
-    const float smooth = 1.01f * std::max(lengthOf(gravity_step), m.pushed);
+    const float smooth = 1.01f * std::max(glm::length(gravity_step), m.pushed);
     const float half = glm::dot(change, change) <= smooth * smooth ? 0.5f : 0.0f;
     const dvec3 centre = m.centre + dvec3(m.shift + m.bounce + h * (m.velocity - half * change));
 

@@ -12,7 +12,7 @@
 namespace scree::grains {
 namespace {
 
-float length(vec3 v) { return std::sqrt(glm::dot(v, v)); }
+using glm::length;
 
 // A force's share at a point: acceleration whatever the velocity, and the air's velocity.
 struct Share {

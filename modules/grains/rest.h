@@ -3,10 +3,10 @@
 // A grain is still while it stays within a hundredth of its radius of where its rest began and its
 // spin is slow. It falls asleep when it and all that it leans on have been still for kFallAsleep and
 // the impulses on it cancel its weight. Asleep it is an unmoving neighbour to those awake, and the
-// impulses between sleepers change only with what those awake press on them. It wakes when its contacts
-// cannot bear that within friction, when it is about to be struck, when a collider that moves or goes away touches it,
-// when a grain that pressed on it is removed, when gravity or the tick changes, and when its row is
-// written to. All of this is decided grain by grain: a heap sleeps and wakes in parts.
+// impulses between sleepers change only with what those awake press on them: see balance.cpp. It wakes
+// when its contacts cannot bear that within friction, when it is about to be struck, when a collider that
+// moves or goes away touches it, when a grain that pressed on it is removed, when gravity or the tick
+// changes, and when its row is written to. All of this is decided grain by grain: a heap sleeps and wakes in parts.
 #pragma once
 
 #include <cstddef>

@@ -12,7 +12,7 @@
 namespace scree::grains {
 namespace {
 
-float length(vec3 v) { return std::sqrt(glm::dot(v, v)); }
+using glm::length;
 
 bool apart(vec3 low, vec3 high, const Bounds& bounds) {
   return high.x < bounds.min.x || bounds.max.x < low.x || high.y < bounds.min.y ||

@@ -290,7 +290,7 @@ size_t Sleepers::memoryBytes() const {
   return sleeper_.capacity() * sizeof(Sleeper) + spot_.capacity() * sizeof(Spot) +
          pair_.node.capacity() * sizeof(PairNode) + wall_.node.capacity() * sizeof(WallNode) +
          wall_load_.capacity() * sizeof(WallLoad) + bucket_.capacity() * sizeof(uint32_t) +
-         occupied_.capacity() * sizeof(uint64_t);
+         occupied_.capacity() * sizeof(uint64_t) + touches_.capacity() * sizeof(Touch);
 }
 
 }  // namespace scree::grains

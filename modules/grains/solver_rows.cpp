@@ -259,7 +259,9 @@ size_t GrainSolver::memoryBytes() const {
          4 * (order_.capacity() + before_.capacity() + before_sort_.capacity() + moved_.capacity() +
               slot_of_.capacity() + margin_.capacity() + place_.capacity() + waking_.capacity() +
               partners_.capacity() + falling_.capacity() + strays_.capacity() +
-              met_.capacity()) +
+              met_.capacity() + uneasy_.capacity() + to_book_.capacity()) +
+         border_.capacity() * sizeof(BorderContact) + touches_.capacity() * sizeof(Touch) +
+         touching_.capacity() * sizeof(touching_[0]) + pressed_.capacity() * sizeof(Pressed) +
          awake_.capacity() * sizeof(AwakeRow) + settled_.capacity() +
          load_.capacity() * sizeof(Load) + woken_pairs_.capacity() * sizeof(WokenPair) +
          woken_walls_.capacity() * sizeof(WokenWall) +

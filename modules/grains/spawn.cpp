@@ -9,6 +9,7 @@
 #include "engine/core/log.h"
 #include "engine/core/random.h"
 #include "engine/ecs/range.h"
+#include "modules/grains/spawn_rows.h"
 #include "modules/grains/state.h"
 
 namespace scree {
@@ -185,25 +186,10 @@ SystemDesc spawnSystem(const SharedState& state) {
 
 void spawnGrains(World& world, std::span<const GrainSpec> specs) {
   if (specs.empty()) return;
-  const TableRows rows =
+  const grains::NewGrains rows(
       world.spawnMany<Grain, GrainVelocity, GrainSpin, GrainOrientation, GrainPrevious, GrainRest,
-                      GrainMaterial, GrainLook>(specs.size());
-  const std::span<Grain> grain = rows.column<Grain>();
-  const std::span<GrainVelocity> velocity = rows.column<GrainVelocity>();
-  const std::span<GrainSpin> spin = rows.column<GrainSpin>();
-  const std::span<GrainOrientation> orientation = rows.column<GrainOrientation>();
-  const std::span<GrainPrevious> previous = rows.column<GrainPrevious>();
-  const std::span<GrainMaterial> material = rows.column<GrainMaterial>();
-  const std::span<GrainLook> look = rows.column<GrainLook>();
-  for (size_t k = 0; k < specs.size(); ++k) {
-    grain[k] = specs[k].grain;
-    velocity[k] = specs[k].velocity;
-    spin[k] = specs[k].spin;
-    orientation[k] = specs[k].orientation;
-    previous[k].position = specs[k].grain.position;
-    material[k] = specs[k].material;
-    look[k] = specs[k].look;
-  }
+                      GrainMaterial, GrainLook>(specs.size()));
+  for (size_t k = 0; k < specs.size(); ++k) rows.put(k, specs[k]);
 }
 
 GrainField& grainField(World& world) {

@@ -9,6 +9,7 @@
 #include "engine/core/random.h"
 #include "modules/grains/clump_shape.h"
 #include "modules/grains/ranges.h"
+#include "modules/grains/spawn_rows.h"
 #include "modules/grains/state.h"
 
 namespace scree {
@@ -54,13 +55,7 @@ void spawnPlaced(World& world, std::span<const Placed> clumps) {
   const TableRows rows =
       world.spawnMany<Grain, GrainVelocity, GrainSpin, GrainOrientation, GrainPrevious, GrainRest,
                       GrainMaterial, GrainLook, GrainClump>(total);
-  const std::span<Grain> grain = rows.column<Grain>();
-  const std::span<GrainVelocity> velocity = rows.column<GrainVelocity>();
-  const std::span<GrainSpin> spin = rows.column<GrainSpin>();
-  const std::span<GrainOrientation> orientation = rows.column<GrainOrientation>();
-  const std::span<GrainPrevious> previous = rows.column<GrainPrevious>();
-  const std::span<GrainMaterial> material = rows.column<GrainMaterial>();
-  const std::span<GrainLook> look = rows.column<GrainLook>();
+  const NewGrains grains(rows);
   const std::span<GrainClump> clump = rows.column<GrainClump>();
   const std::span<const Entity> entity = rows.entities();
   size_t row = 0;
@@ -70,14 +65,14 @@ void spawnPlaced(World& world, std::span<const Placed> clumps) {
     for (uint32_t k = 0; k < placed.form.count; ++k, ++row) {
       const vec3 arm = placed.scale * placed.form.arm[k];
       const vec3 reach = rotation * arm;
-      grain[row] = {spec.position + reach, placed.scale * placed.form.radius[k]};
-      velocity[row].linear = spec.velocity + glm::cross(spec.spin, reach);
-      spin[row].angular = spec.spin;
-      orientation[row].rotation = rotation;
-      previous[row].position = grain[row].position;
-      material[row] = spec.material;
-      material[row].density = std::max(kLeastDensity, spec.material.density * placed.form.density_share);
-      look[row] = spec.look;
+      GrainMaterial material = spec.material;
+      material.density = std::max(kLeastDensity, spec.material.density * placed.form.density_share);
+      grains.put(row, {{spec.position + reach, placed.scale * placed.form.radius[k]},
+                       {spec.velocity + glm::cross(spec.spin, reach)},
+                       {spec.spin},
+                       {rotation},
+                       material,
+                       spec.look});
       clump[row] = {entity[row - k], k, placed.form.count, arm};
     }
   }
