@@ -10,7 +10,7 @@
 #include <span>
 
 #include "modules/grains/clump_shape.h"
-#include "tests/grains/field.h"
+#include "tests/grains/resting.h"
 
 namespace scree::grains::test {
 
@@ -24,9 +24,8 @@ inline std::vector<Sphere> crooked(float r) {
           {vec3(0, 0.2f * r, 0.9f * r), 0.5f * r}};
 }
 
-struct ClumpField : Field {
+struct ClumpField : RestingField {
   std::vector<GrainClump> clump;
-  std::vector<GrainRest> rest;
   bool sleeps = false;
   std::vector<size_t> first;  // row of each clump's first member
 
@@ -50,10 +49,9 @@ struct ClumpField : Field {
   }
   GrainRows rows() {
     clump.resize(grain.size());
-    rest.resize(grain.size());
-    GrainRows all = Field::rows();
+    GrainRows all = RestingField::rows();
     all.clump = clump;
-    if (sleeps) all.rest = rest;
+    if (!sleeps) all.rest = {};
     return all;
   }
   void step(int ticks = 1, RowsAre known = RowsAre::Unknown) {
@@ -63,17 +61,8 @@ struct ClumpField : Field {
     }
   }
   void remove(size_t k) {
-    const auto at = static_cast<long>(k);
-    const auto erase = [&](auto& list) { list.erase(list.begin() + at); };
-    erase(entity);
-    erase(grain);
-    erase(velocity);
-    erase(spin);
-    erase(orientation);
-    erase(previous);
-    erase(material);
-    erase(clump);
-    erase(rest);
+    RestingField::remove(k);
+    clump.erase(clump.begin() + static_cast<long>(k));
   }
   uint32_t members(size_t row) const { return clump[row].count; }
   double massOf(size_t row) const {
@@ -124,11 +113,6 @@ struct ClumpField : Field {
                          rest[k].asleep ? 1 : 0);
     for (const Collider& c : colliders) sum = hashCombine(sum, hashBytes(&c.load, sizeof c.load, c.load_contacts));
     return sum;
-  }
-  size_t asleep() const {
-    size_t n = 0;
-    for (const GrainRest& r : rest) n += r.asleep;
-    return n;
   }
   // On all colliders, kg: walls bear some by friction.
   double weightBorne() const {

@@ -111,13 +111,13 @@ TEST(Cohesion, SameBitsByThreadsLanesAndRows) {
 
 TEST(Cohesion, SavedGoesOnToTheBit) {
   for (const int saved_at : {40, 120, 400}) {
-    Bed bed;
+    RestingField bed;
     fillWet(bed, 0.3f);
     bed.step(saved_at);
     const std::string bytes = bed.solver.saved();
     Result<GrainSolver> solver = GrainSolver::restored(bytes, bed.next);
     ASSERT_TRUE(solver.ok()) << solver.error();
-    Bed again = bed;
+    RestingField again = bed;
     again.solver = std::move(solver).value();
     bed.step(60);
     again.step(60);
@@ -127,23 +127,23 @@ TEST(Cohesion, SavedGoesOnToTheBit) {
 
 TEST(Cohesion, WhatHangsFallsAsleepAndWakesWhenItsHoldGoes) {
   for (const int change : {0, 1, 2, 3}) {
-    Bed bed;
+    RestingField bed;
     bed.addBox({0, 0.1f, 0}, {0.3f, 0.1f, 0.3f}, 0.5f).cohesion = 100;
     bed.colliders[0].sensed = true;
     for (int k = 0; k < 3; ++k)
       bed.add({0, -kRadius * static_cast<float>(1 + 2 * k), 0}, kRadius, {1000, 0.5f, 0.1f, 0, 200});
     bed.step(120);
-    ASSERT_EQ(bed.asleep(), 3u);
+    ASSERT_EQ(bed.solver.stats().asleep, 3u);
     EXPECT_NEAR(bed.grain[2].position.y, -5 * kRadius, 0.02f * kRadius);
     EXPECT_NEAR(-bed.colliders[0].load.y * 60 / kG / (3 * bed.mass(0)), 1, 0.01);
     bed.step(120);
-    ASSERT_EQ(bed.asleep(), 3u);
+    ASSERT_EQ(bed.solver.stats().asleep, 3u);
     if (change == 0) bed.colliders.clear();
     if (change == 1) bed.material[0].cohesion = 0;
     if (change == 2) removeRow(bed, 0), bed.rest.resize(2);
     if (change == 3) bed.colliders[0].cohesion = 0;
     bed.step(30);
-    EXPECT_EQ(bed.asleep(), 0u) << change;
+    EXPECT_EQ(bed.solver.stats().asleep, 0u) << change;
     for (const Grain& g : bed.grain) EXPECT_LT(g.position.y, -1) << change;
   }
 }

@@ -6,36 +6,12 @@
 #include <random>
 
 #include "engine/core/parallel.h"
-#include "tests/grains/field.h"
+#include "tests/grains/resting.h"
 
 namespace scree::grains::test {
 namespace {
 
-struct Bed : Field {
-  std::vector<GrainRest> rest;
-
-  void step(RowsAre rows = RowsAre::Unknown) {
-    rest.resize(grain.size());
-    const GrainRows all{entity, grain, velocity, spin, orientation, previous, material, rest};
-    solver.step(std::span(&all, 1), colliders, parameters, rows);
-  }
-  void remove(size_t k) {
-    const auto at = static_cast<long>(k);
-    const auto erase = [&](auto& rows) { rows.erase(rows.begin() + at); };
-    erase(entity);
-    erase(grain);
-    erase(velocity);
-    erase(spin);
-    erase(orientation);
-    erase(previous);
-    erase(material);
-    erase(rest);
-  }
-  size_t asleep() const {
-    size_t n = 0;
-    for (const GrainRest& r : rest) n += r.asleep;
-    return n;
-  }
+struct Bed : RestingField {
   // Of all that a tick puts out.
   uint64_t state() const {
     uint64_t sum = hash();
@@ -175,7 +151,7 @@ TEST(Save, GoesOnToTheBit) {
         }
         const bool as_left = bed.entity.size() == bed.rest.size() && tick % 3 == 0 && scene.ticks == 1000;
         scene.act(bed, tick);
-        bed.step(as_left && tick != 900 ? RowsAre::AsLeft : RowsAre::Unknown);
+        bed.step(1, as_left && tick != 900 ? RowsAre::AsLeft : RowsAre::Unknown);
         const uint64_t want = bed.state();
         for (Run& run : runs) {
           if (run.from + 200 <= tick) continue;

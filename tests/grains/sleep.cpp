@@ -7,24 +7,15 @@
 #include <cstring>
 
 #include "engine/core/parallel.h"
-#include "tests/grains/field.h"
+#include "tests/grains/resting.h"
 
 namespace scree::grains::test {
 namespace {
 
-struct Bed : Field {
-  std::vector<GrainRest> rest;
-
+struct Bed : RestingField {
   explicit Bed(int n = 8, int height = 6) {
     parameters.damping = 0.05f;
     pour(*this, n, height, 0.05f, 6, 0.2f, {1000, 0.5f, 0.02f, 0});
-  }
-  void step(int ticks = 1, RowsAre rows = RowsAre::Unknown) {
-    rest.resize(grain.size());
-    for (int k = 0; k < ticks; ++k) {
-      const GrainRows all{entity, grain, velocity, spin, orientation, previous, material, rest};
-      solver.step(std::span(&all, 1), colliders, parameters, rows);
-    }
   }
   // Ticks until all sleep.
   int sleep(int most = 1500) {
@@ -34,27 +25,11 @@ struct Bed : Field {
     }
     return most;
   }
-  size_t asleep() const {
-    size_t n = 0;
-    for (const GrainRest& r : rest) n += r.asleep;
-    return n;
-  }
   size_t highest() const {
     size_t top = 0;
     for (size_t k = 0; k < grain.size(); ++k)
       if (grain[k].position.y > grain[top].position.y) top = k;
     return top;
-  }
-  void erase(size_t k) {
-    const auto at = static_cast<long>(k);
-    entity.erase(entity.begin() + at);
-    grain.erase(grain.begin() + at);
-    velocity.erase(velocity.begin() + at);
-    spin.erase(spin.begin() + at);
-    orientation.erase(orientation.begin() + at);
-    previous.erase(previous.begin() + at);
-    material.erase(material.begin() + at);
-    rest.erase(rest.begin() + at);
   }
   uint64_t hashWithRest() const {
     uint64_t sum = hash();
@@ -218,7 +193,7 @@ TEST(Sleep, WakesWhenItsSupportGoes) {
           glm::length(d) < 1.001f * (fewer.grain[top].radius + fewer.grain[k].radius))
         bottom = k;
     }
-    fewer.erase(bottom);
+    fewer.remove(bottom);
     fewer.step();
     EXPECT_GT(fewer.solver.stats().woken, 0u);
     EXPECT_FALSE(fewer.rest[top > bottom ? top - 1 : top].asleep);

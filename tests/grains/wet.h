@@ -1,8 +1,9 @@
-// What the tests of cohesion share: the law's force, and grains that sleep.
+// What the tests of cohesion share: the law's force.
 #pragma once
 
 #include "modules/grains/cohesion.h"
 #include "tests/grains/law.h"
+#include "tests/grains/resting.h"
 
 namespace scree::grains::test {
 
@@ -18,17 +19,5 @@ inline float cohesionFor(double weights, double radius = static_cast<double>(kRa
   const double weight = 4.0 / 3 * kPi * radius * radius * radius * density * kG;
   return static_cast<float>(weights * weight / (kPi * radius));
 }
-
-struct Bed : Field {
-  std::vector<GrainRest> rest;
-  void step(int ticks = 1) {
-    for (int k = 0; k < ticks; ++k) {
-      rest.resize(grain.size());
-      const GrainRows all{entity, grain, velocity, spin, orientation, previous, material, rest};
-      solver.step(std::span(&all, 1), colliders, parameters);
-    }
-  }
-  uint32_t asleep() const { return solver.stats().asleep; }
-};
 
 }  // namespace scree::grains::test
