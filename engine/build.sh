@@ -21,7 +21,7 @@ done
 [ "$tests" = on ] || ! grep -qs '^SCREE_TESTS:BOOL=ON' "$dir/CMakeCache.txt" || tests=on
 
 packages=(g++ cmake ninja-build ccache pkg-config python3 python3-glad libgl-dev libegl-dev libglfw3-dev
-  libosmesa6-dev libglm-dev libtinygltf-dev libopenimageio-dev openimageio-tools libtbb-dev libimgui-dev libstb-dev
+  libosmesa6-dev libglm-dev libtinygltf-dev libopenimageio-dev openimageio-tools libtbb-dev libmeshoptimizer-dev libimgui-dev libstb-dev
   libcli11-dev libspdlog-dev libfmt-dev nlohmann-json3-dev libgl1-mesa-dri libegl-mesa0)
 [ "$tests" = off ] || packages+=(libgtest-dev libbullet-dev xvfb xauth xdotool)
 

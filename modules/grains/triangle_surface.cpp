@@ -164,7 +164,7 @@ void TriangleSurface::normals() {
   shorten(vertex, vertex.size(), vertex_normal_);
 }
 
-dvec3 TriangleSurface::outwardAt(uint32_t triangle, Feature feature) const {
+dvec3 TriangleSurface::outwardAt(uint32_t triangle, TriangleFeature feature) const {
   const size_t f = static_cast<size_t>(feature), at = 3 * size_t{triangle};
   vec3 outward = face_normal_[triangle];
   if (f >= 4) {
@@ -177,7 +177,7 @@ dvec3 TriangleSurface::outwardAt(uint32_t triangle, Feature feature) const {
 
 // How far from a point of the face its border is.
 float TriangleSurface::flatAt(uint32_t triangle, const OnTriangle& on) const {
-  if (on.feature != Feature::Face) return 0;
+  if (on.feature != TriangleFeature::Face) return 0;
   const dvec3 normal(face_normal_[triangle]);
   double flat = std::numeric_limits<float>::max();
   for (size_t c = 0; c < 3; ++c) {
@@ -210,7 +210,7 @@ TriangleSurface::Nearest TriangleSurface::nearest(vec3 p, double most) const {
 }
 
 // Whether the distance grows from a point of a border, where p is `d` away, into all that meets there.
-bool TriangleSurface::leastAround(uint32_t triangle, Feature feature, dvec3 d) const {
+bool TriangleSurface::leastAround(uint32_t triangle, TriangleFeature feature, dvec3 d) const {
   constexpr double kAlong = 1e-6;  // sine of the angle that still counts as across
   const size_t f = static_cast<size_t>(feature), at = 3 * size_t{triangle};
   const auto towards = [&](dvec3 way) {

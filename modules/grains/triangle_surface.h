@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "modules/grains/grains.h"
-#include "modules/grains/nearest_on_triangle.h"
+#include "engine/assets/nearest_on_triangle.h"
 #include "modules/grains/triangle_tree.h"
 
 namespace scree::grains {
@@ -58,8 +58,8 @@ class TriangleSurface {
   void weld();
   void connect();
   void normals();
-  bool leastAround(uint32_t triangle, Feature feature, dvec3 d) const;
-  dvec3 outwardAt(uint32_t triangle, Feature feature) const;
+  bool leastAround(uint32_t triangle, TriangleFeature feature, dvec3 d) const;
+  dvec3 outwardAt(uint32_t triangle, TriangleFeature feature) const;
   float flatAt(uint32_t triangle, const OnTriangle& on) const;
 
   TriangleTree tree_;

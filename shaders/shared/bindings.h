@@ -16,6 +16,13 @@ const int kShadowViewBinding = 4;  // shared/shadow.h
 const int kInstancesBinding = 0;   // mesh instances
 const int kGrainsBinding = 1;      // grains
 const int kVisibleBinding = 2;     // indices of what is drawn
+const int kSwarmRecordsBinding = 3;          // shared/swarm.h: grains of a swarm
+const int kSwarmRepresentationsBinding = 4;  // how each is drawn, 4 bits
+const int kSwarmCountsBinding = 5;           // of each run, by representation
+const int kSwarmPrefixBinding = 6;           // counts before a run, in its block; then before a block
+const int kSwarmListBinding = 7;             // grains by representation
+const int kSwarmCommandsBinding = 8;
+const int kCandidateMapBinding = 9;          // nearest grain by cell: shared/swarm.h
 
 // Texture units. One kind of sampler a unit, never mixed within a program.
 const int kBaseColorUnit = 0;

@@ -2,6 +2,7 @@
 #pragma once
 #include "shared/bindings.h"
 #include "shared/prelude.h"
+#include "shared/rotation.h"
 RULES_BEGIN
 
 // std430, 64 bytes. Positions are relative to the field's origin.
@@ -43,12 +44,6 @@ RULE float unpackGrainRoughness(uint code) { return float(code >> 24u) * (1.0f /
 // Centre at a time between the ticks, relative to where `origin` is relative to.
 RULE vec3 grainCenter(GrainRecord grain, vec3 origin, float alpha) {
   return origin + grain.previous + (grain.position - grain.previous) * alpha;
-}
-
-RULE vec3 rotateBy(vec4 q, vec3 v) {
-  vec3 u = vec3(q.x, q.y, q.z);
-  vec3 t = cross(u, v) * 2.0f;
-  return v + t * q.w + cross(u, t);
 }
 
 // Orientation `seconds` from the current tick, by the solver's own first-order rule.

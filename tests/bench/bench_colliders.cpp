@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/core/hash.h"
-#include "modules/grains/nearest_on_triangle.h"
+#include "engine/assets/nearest_on_triangle.h"
 #include "modules/grains/surface_field.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/drop.h"

@@ -41,7 +41,7 @@ inline MeshData sphereMesh(int rings = 48, int sectors = 96) {
   m.name = "sphere";
   for (int j = 0; j <= rings; ++j)
     for (int i = 0; i <= sectors; ++i) {
-      const double theta = std::numbers::pi * j / rings, phi = 2 * std::numbers::pi * i / sectors;
+      const double theta = std::numbers::pi * j / rings, phi = 2 * std::numbers::pi * (i % sectors) / sectors;
       const dvec3 p(std::sin(theta) * std::cos(phi), std::cos(theta), -std::sin(theta) * std::sin(phi));
       m.vertices.push_back({vec3(p), vec3(p), vec4(-std::sin(phi), 0, -std::cos(phi), 1),
                             vec2(static_cast<float>(i) / sectors, static_cast<float>(j) / rings)});

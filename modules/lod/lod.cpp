@@ -1,0 +1,42 @@
+// Registration: the systems and passes of the module, in the order of the frame.
+#include "modules/lod/lod.h"
+
+#include "engine/app/app.h"
+#include "modules/lod/state.h"
+
+namespace scree {
+
+size_t SwarmsDrawn::size() const { return state->parts.size(); }
+uint64_t SwarmsDrawn::grainCount() const { return state->grain_count; }
+const SwarmPart& SwarmsDrawn::part(size_t index) const { return state->parts[index]; }
+bool SwarmsDrawn::mayBe(uint32_t representation) const {
+  return (state->possible >> representation & 1) != 0;
+}
+void SwarmsDrawn::bind(size_t index) const {
+  const lod::Part& part = state->parts[index];
+  part.late.bindUniform(rules::kPassBinding);
+  part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
+  part.chunk->representations.bindStorage(rules::kSwarmRepresentationsBinding);
+  part.chunk->list.bindStorage(rules::kSwarmListBinding);
+  part.chunk->commands.bindStorage(rules::kSwarmCommandsBinding);
+}
+
+void addLod(App& app) {
+  World& world = app.world();
+  const auto state = std::make_shared<SwarmsDrawn::State>(world);
+  world.singleton<SwarmStore>();
+  world.singleton<LodSettings>();
+  world.singleton<SwarmsDrawn>().state = state;
+
+  for (const std::string_view resource : {std::string_view(lod::kRoutes), kSwarmLists, kSwarmLateLists})
+    app.frame().addExternal(std::string(resource));
+
+  app.addSystem(lod::uploadSystem(state));
+
+  app.addPass(lod::classifyPass(state));
+  app.addPass(lod::listPass(state));
+  app.addPass(lod::meshPass(state));
+  app.addPass(lod::lateListPass(state));
+}
+
+}  // namespace scree

@@ -1,0 +1,164 @@
+// Grains at every scale: of millions of turned and scaled copies of one shape, each is drawn as a mesh, an
+// impostor, a point or not at all, by the error that this makes on the screen.
+//
+// Method: Michel and Boubekeur 2020, "Real Time Multiscale Rendering of Dense Dynamic Stackings", sections 6 to
+// 9, with lists made by prefix sums in place of atomics (the same lists in every run), thresholds from measured
+// errors, and hysteresis. In: Swarm, the stores below, View. Out: external resources kSwarmLists and
+// kSwarmRoutes, from which modules draw; meshes are drawn here, the rest by modules/impostors and modules/points.
+// Cost: 29.1 bytes a grain on the GPU; a frame reads each grain once or twice, and nothing comes back.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/math.h"
+#include "engine/ecs/component.h"
+#include "engine/ecs/entity.h"
+#include "engine/ecs/world.h"
+#include "modules/scene/scene.h"
+#include "shaders/shared/swarm.h"
+
+namespace scree {
+
+class App;
+struct MeshData;
+
+// ---- What a swarm is ---------------------------------------------------------------------------
+
+// How far from the mesh an impostor is, by its size on the screen.
+struct ImpostorError {
+  float size_px = 0;        // outer radius
+  float silhouette_px = 0;  // how far outlines are off
+  float ssim = 1;           // structural similarity to the supersampled mesh, at worst
+};
+
+// What all grains of a swarm look like. Lengths are those of its mesh.
+struct GrainShape {
+  std::string name;
+  vec3 center{0};
+  float outer_radius = 1;  // of the sphere around the whole mesh
+  float inner_radius = 0;  // of that within it; both about `center`
+  struct Level {
+    uint32_t mesh = 0;  // of the MeshStore; one part
+    float error = 0;    // largest distance to the finest level / outer radius
+  };
+  std::vector<Level> levels;             // finest first; 1 to rules::kMeshLevels
+  std::vector<ImpostorError> impostor;   // by rising size; empty: it has none
+};
+
+// A grain as a program gives it.
+struct SwarmGrain {
+  vec3 position{0};          // relative to the swarm's origin, m
+  float radius = 1;          // outer, m
+  quat rotation{1, 0, 0, 0};
+  vec3 tint{1};              // of the shape's colour, linear, [0, 1]
+  float roughness = 1;       // factor of the shape's, [0, 1]
+  uint16_t seed = 0;
+};
+rules::SwarmRecord packed(const SwarmGrain& grain, float largest_radius);
+
+// Grains of a swarm that lie in one buffer.
+inline constexpr uint32_t kSwarmChunk = 1u << 22;  // 96 MiB: below the least storage block of GL, 128 MiB
+
+// Shapes and swarms. World singleton. Handles are never reused; an unknown one ends the program.
+class SwarmStore {
+ public:
+  // Ends the program if the shape has no level, too many, or radii that are not positive.
+  uint32_t addShape(GrainShape shape);
+  const GrainShape& shape(uint32_t handle) const;
+  size_t shapeCount() const { return shapes_.size(); }
+
+  // Grains that are not finite, or have a radius that is not, or not above 0, are left out, and counted.
+  uint32_t add(std::string name, uint32_t shape, std::span<const SwarmGrain> grains);
+  // The same for many: `fill` writes records [first, first + records.size()), whose radii are shares of
+  // largest_radius (m, above 0), in several calls.
+  using Fill = std::function<void(uint64_t first, std::span<rules::SwarmRecord> records)>;
+  uint32_t add(std::string name, uint32_t shape, uint64_t count, float largest_radius, const Fill& fill);
+  // New grains in place of the old; as many or not.
+  void replace(uint32_t swarm, std::span<const SwarmGrain> grains);
+
+  struct Stored {
+    std::string name;
+    uint32_t shape = 0;
+    float largest_radius = 1;
+    uint64_t count = 0;
+    uint64_t refused = 0;  // left out
+    vec3 min{0}, max{0};   // of the centres, m
+    uint64_t version = 0;  // goes up when the grains change
+    std::vector<std::vector<rules::SwarmRecord>> chunks;  // kSwarmChunk each, but the last
+  };
+  const Stored& swarm(uint32_t handle) const;
+  size_t swarmCount() const { return swarms_.size(); }
+
+ private:
+  std::vector<GrainShape> shapes_;
+  std::vector<Stored> swarms_;
+};
+
+// Draws a swarm of the SwarmStore; its origin is at the entity's Transform, of which only the position counts.
+struct Swarm {
+  uint32_t swarm = 0;
+};
+SCREE_COMPONENT(Swarm, (swarm, ""));
+
+// ---- How it is drawn ---------------------------------------------------------------------------
+
+// World singleton.
+struct LodSettings {
+  float tolerance_px = 0.5f;  // how far outlines may be off
+  float least_ssim = 0.95f;   // an impostor is used at sizes at which it is at least this similar
+  float band = 0.05f;         // share by which a threshold must be passed before a grain changes
+  // For benches: draws all as one representation if it is possible; kNotDrawn: chosen by the rest.
+  uint32_t only = rules::kNotDrawn;
+};
+
+// Sizes (outer radii in pixels) at which one representation follows the other. A point is off by about its
+// radius; a mesh level by its error; an impostor by what was measured.
+struct LodThresholds {
+  float point_px = 0, impostor_from_px = 0, impostor_px = 0;
+  float mesh_px[rules::kMeshLevels] = {};
+};
+LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings);
+
+// The levels of a mesh, simplified, in the MeshStore, with `material` of the MaterialStore: triangles halve to
+// quarter from level to level as long as it can be simplified. Sets levels; center and outer_radius must be set.
+void addLevels(MeshStore& meshes, GrainShape& shape, const MeshData& mesh, uint32_t material);
+
+// ---- For modules that draw grains --------------------------------------------------------------
+
+// External resources: lists of what Stage::Route chose; lists of what is drawn after the depth pyramid.
+inline constexpr std::string_view kSwarmLists = "lod.lists";
+inline constexpr std::string_view kSwarmLateLists = "lod.late_lists";
+
+// Calls draw(shape) for each buffer of grains of this frame, with these bound for lib/swarm.glsl: the
+// SwarmBlock, records, representations, list, commands (also as indirect commands, see swarmCommands()).
+struct SwarmPart {
+  uint32_t shape = 0;
+  uint32_t first = 0, count = 0;  // numbers of its grains, over all that is drawn
+  const gpu::Buffer* commands = nullptr;
+  const gpu::Buffer* list = nullptr;
+};
+// World singleton; made anew in each Phase::Prepare.
+class SwarmsDrawn {
+ public:
+  size_t size() const;
+  uint64_t grainCount() const;
+  const SwarmPart& part(size_t index) const;
+  void bind(size_t index) const;
+  // Whether some grain may be drawn as this representation, by shape and settings.
+  bool mayBe(uint32_t representation) const;
+
+  struct State;
+  std::shared_ptr<State> state;
+};
+
+// Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.meshes (Geometry), lod.list_late
+// (RouteLate). Needs addScene, addDeferred.
+void addLod(App& app);
+
+}  // namespace scree

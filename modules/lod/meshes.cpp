@@ -1,0 +1,79 @@
+// lod.meshes: near grains, as instances of their shape's mesh.
+#include "engine/gpu/draw.h"
+#include "engine/gpu/gl.h"
+#include "engine/gpu/program.h"
+#include "engine/gpu/state.h"
+#include "modules/deferred/deferred.h"
+#include "modules/lod/state.h"
+
+namespace scree::lod {
+namespace {
+
+constexpr unsigned kGrainSlot = 1;
+constexpr int kBaseColor = 0, kRoughnessMetallic = 1;  // uniform locations
+
+struct MeshPrograms {
+  gpu::Program still = program({}), moving = program({"MOTION"});
+  gpu::VertexArray array;
+  uint64_t pool_version = 0;
+
+  static gpu::Program program(std::vector<std::string> defines) {
+    return gpu::Program({.name = defines.empty() ? "lod.meshes" : "lod.meshes_motion",
+                         .vertex = "lod/mesh.vert",
+                         .fragment = "lod/mesh.frag",
+                         .defines = std::move(defines)});
+  }
+  void bindArray(MeshStore& meshes) {
+    meshes.vertexArray();
+    if (!array) {
+      array = gpu::VertexArray("lod.meshes");
+      array.attributeInteger(rules::kFirstFreeAttribute, 1, GL_UNSIGNED_INT, 0, kGrainSlot);
+    }
+    if (pool_version != meshes.poolVersion()) {
+      meshes.attach(array);
+      pool_version = meshes.poolVersion();
+    }
+    array.bind();
+  }
+};
+
+void draw(SwarmsDrawn::State& state, MeshPrograms& programs, bool motion) {
+  gpu::Program& program = motion ? programs.moving : programs.still;
+  if (!program.use()) return;
+  MeshStore& meshes = state.world.singleton<MeshStore>();
+  MaterialStore& materials = state.world.singleton<MaterialStore>();
+  const SwarmStore& store = state.world.singleton<const SwarmStore>();
+  programs.bindArray(meshes);
+  gpu::apply({});
+  for (const Part& part : state.parts) {
+    const GrainShape& shape = store.shape(part.shape);
+    const uint32_t material = meshes.mesh(shape.levels.front().mesh).parts.front().material;
+    const MaterialData& data = materials.material(material);
+    program.set(kBaseColor, data.base_color);
+    program.set(kRoughnessMetallic, vec2(data.roughness, data.metallic));
+    materials.bind(material);
+    part.early.bindUniform(rules::kPassBinding);
+    part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
+    programs.array.vertexBuffer(kGrainSlot, part.chunk->list, sizeof(uint32_t), 0, 1);
+    gpu::drawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, part.chunk->commands,
+                              offsetof(rules::SwarmCommands, meshes), static_cast<int>(shape.levels.size()),
+                              sizeof(rules::DrawElementsCommand));
+  }
+}
+
+}  // namespace
+
+PassDesc meshPass(const SharedState& state) {
+  const auto programs = std::make_shared<MeshPrograms>();
+  return {.name = "lod.meshes",
+          .stage = Stage::Geometry,
+          .needs_text = "a swarm",
+          .needs = [state] { return !state->parts.empty(); },
+          .needs_content = {std::string(kSwarmLists)},
+          .uses = gbufferUses({{std::string(kSwarmLists), Access::Indirect}, {std::string(kSwarmLists), Access::Vertex}}),
+          .run = [state, programs](PassContext& context) {
+            draw(*state, *programs, context.frame.isRead(kGbufferMotion));
+          }};
+}
+
+}  // namespace scree::lod

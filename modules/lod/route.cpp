@@ -1,0 +1,110 @@
+// lod.classify, lod.list, lod.list_late: how each grain is drawn, and the lists that say so.
+#include "engine/gpu/draw.h"
+#include "engine/gpu/gl.h"
+#include "engine/gpu/program.h"
+#include "modules/lod/state.h"
+
+namespace scree::lod {
+namespace {
+
+constexpr uint32_t kGroup = 64;  // local size of the programs that have an invocation a run
+
+gpu::Program program(std::string name, std::vector<std::string> defines = {}) {
+  gpu::ProgramDesc desc;
+  desc.compute = "lod/" + name.substr(name.find('.') + 1) + ".comp";
+  for (const std::string& define : defines) name += "_" + define;
+  desc.name = std::move(name);
+  desc.defines = std::move(defines);
+  return gpu::Program(std::move(desc));
+}
+
+void bindPart(const Part& part, const gpu::StreamSlice& block) {
+  block.bindUniform(rules::kPassBinding);
+  part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
+  part.chunk->representations.bindStorage(rules::kSwarmRepresentationsBinding);
+  part.chunk->counts.bindStorage(rules::kSwarmCountsBinding);
+  part.chunk->prefix.bindStorage(rules::kSwarmPrefixBinding);
+  part.chunk->list.bindStorage(rules::kSwarmListBinding);
+  part.chunk->commands.bindStorage(rules::kSwarmCommandsBinding);
+}
+
+uint32_t runsOf(const Part& part) { return (part.count + rules::kRunGrains - 1) / rules::kRunGrains; }
+
+void storageBarrier() { gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT); }
+
+// Counts, prefix sums, commands, lists.
+struct ListPrograms {
+  gpu::Program count, commands;
+  gpu::Program prefix = program("lod.prefix"), list = program("lod.list");
+
+  ListPrograms(gpu::Program count_in, gpu::Program commands_in)
+      : count(std::move(count_in)), commands(std::move(commands_in)) {}
+
+  void run(const Part& part, const gpu::StreamSlice& block) {
+    const uint32_t runs = runsOf(part);
+    bindPart(part, block);
+    if (!count.use()) return;
+    gpu::dispatchItems(runs, kGroup);
+    storageBarrier();
+    if (!prefix.use()) return;
+    gpu::dispatch((runs + rules::kBlockRuns - 1) / rules::kBlockRuns);
+    storageBarrier();
+    if (!commands.use()) return;
+    gpu::dispatch(1);
+    storageBarrier();
+    if (!list.use()) return;
+    gpu::dispatchItems(runs, kGroup);
+  }
+};
+
+}  // namespace
+
+PassDesc classifyPass(const SharedState& state) {
+  const auto classify = std::make_shared<gpu::Program>(program("lod.classify"));
+  return {.name = "lod.classify",
+          .stage = Stage::Route,
+          .needs_text = "a swarm",
+          .needs = [state] { return !state->parts.empty(); },
+          .uses = {{kRoutes, Access::StorageWrite}},
+          .run = [state, classify](PassContext&) {
+            if (!classify->use()) return;
+            state->candidates.fill(0);
+            state->candidates.bindStorage(rules::kCandidateMapBinding);
+            for (const Part& part : state->parts) {
+              bindPart(part, part.early);
+              gpu::dispatchItems(runsOf(part), kGroup);
+            }
+          }};
+}
+
+PassDesc listPass(const SharedState& state) {
+  const auto programs =
+      std::make_shared<ListPrograms>(program("lod.count", {"OCCLUDERS"}), program("lod.commands", {"FIRST"}));
+  return {.name = "lod.list",
+          .stage = Stage::Route,
+          .needs_text = "a swarm",
+          .needs = [state] { return !state->parts.empty(); },
+          .needs_content = {kRoutes},
+          .uses = {{kRoutes, Access::StorageWrite}, {std::string(kSwarmLists), Access::StorageWrite}},
+          .run = [state, programs](PassContext&) {
+            state->candidates.bindStorage(rules::kCandidateMapBinding);
+            for (const Part& part : state->parts) programs->run(part, part.early);
+          }};
+}
+
+PassDesc lateListPass(const SharedState& state) {
+  const auto programs = std::make_shared<ListPrograms>(program("lod.count"), program("lod.commands"));
+  return {.name = "lod.list_late",
+          .stage = Stage::RouteLate,
+          .needs_text = "a swarm with impostors",
+          .needs = [state] { return (state->possible >> rules::kImpostor & 1) != 0; },
+          .needs_content = {std::string(kSwarmLists)},
+          .uses = {{kRoutes, Access::StorageRead},
+                   {std::string(kSwarmLists), Access::StorageRead},
+                   {std::string(kSwarmLateLists), Access::StorageWrite}},
+          .run = [state, programs](PassContext&) {
+            for (const Part& part : state->parts) programs->run(part, part.late);
+          }};
+}
+
+}  // namespace scree::lod

@@ -1,0 +1,69 @@
+// What the routing of grains keeps between frames, and the parts that lod.cpp registers.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "engine/ecs/query.h"
+#include "engine/ecs/schedule.h"
+#include "engine/frame/frame.h"
+#include "engine/gpu/objects.h"
+#include "engine/gpu/stream.h"
+#include "modules/lod/lod.h"
+
+namespace scree::lod {
+
+// The grains of one buffer, on the GPU.
+struct Chunk {
+  gpu::Buffer records, representations, counts, prefix, list, commands;
+  uint32_t count = 0;
+};
+
+// A swarm on the GPU.
+struct Resident {
+  uint32_t swarm = 0;
+  uint64_t version = 0;
+  std::vector<Chunk> chunks;
+};
+
+// A chunk that is drawn in this frame.
+struct Part : SwarmPart {
+  const Chunk* chunk = nullptr;
+  gpu::StreamSlice early, late;  // SwarmBlock, of the lists that are made before and after the depth pyramid
+  LodThresholds thresholds;
+};
+
+}  // namespace scree::lod
+
+namespace scree {
+
+struct SwarmsDrawn::State {
+  explicit State(World& world_in) : world(world_in), swarms(world_in.query<const Swarm, const Transform>()) {}
+
+  World& world;
+  Query<const Swarm, const Transform> swarms;
+  std::vector<lod::Resident> resident;  // by swarm, as far as it was drawn
+  std::vector<lod::Part> parts;         // of this frame
+  uint64_t grain_count = 0;
+  uint32_t possible = 0;  // a bit for each representation that some part may have
+  gpu::StreamBuffer blocks{"lod.blocks", 16 * 1024};
+  gpu::Buffer candidates;
+  dvec3 previous_camera{0};
+};
+
+}  // namespace scree
+
+namespace scree::lod {
+
+using SharedState = std::shared_ptr<SwarmsDrawn::State>;
+
+// External resource between the passes: how each grain is drawn.
+inline constexpr const char* kRoutes = "lod.routes";
+
+SystemDesc uploadSystem(const SharedState& state);
+PassDesc classifyPass(const SharedState& state);
+PassDesc listPass(const SharedState& state);
+PassDesc lateListPass(const SharedState& state);
+PassDesc meshPass(const SharedState& state);
+
+}  // namespace scree::lod

@@ -1,0 +1,130 @@
+// Shapes and swarms on the CPU.
+#include <fmt/format.h>
+#include <glm/common.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/log.h"
+#include "modules/lod/lod.h"
+
+namespace scree {
+namespace {
+
+bool allowed(const SwarmGrain& grain) {
+  const quat& q = grain.rotation;
+  const float numbers[] = {grain.position.x, grain.position.y, grain.position.z, q.x, q.y, q.z, q.w};
+  return std::all_of(std::begin(numbers), std::end(numbers), [](float v) { return std::isfinite(v); }) &&
+         std::isfinite(grain.radius) && grain.radius > 0;
+}
+
+void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
+  stored.count = stored.refused = 0;
+  stored.largest_radius = 0;
+  for (const SwarmGrain& grain : grains)
+    if (allowed(grain)) stored.largest_radius = std::max(stored.largest_radius, grain.radius);
+  for (std::vector<rules::SwarmRecord>& chunk : stored.chunks) chunk.clear();
+  for (const SwarmGrain& grain : grains) {
+    if (!allowed(grain)) {
+      ++stored.refused;
+      continue;
+    }
+    const size_t chunk = stored.count / kSwarmChunk;
+    if (chunk == stored.chunks.size()) stored.chunks.emplace_back();
+    stored.chunks[chunk].push_back(packed(grain, stored.largest_radius));
+    stored.min = stored.count == 0 ? grain.position : glm::min(stored.min, grain.position);
+    stored.max = stored.count == 0 ? grain.position : glm::max(stored.max, grain.position);
+    ++stored.count;
+  }
+  stored.chunks.resize((stored.count + kSwarmChunk - 1) / kSwarmChunk);
+  if (stored.refused > 0)
+    logWarning("SwarmStore: swarm \"{}\": {} of {} grains left out: position, rotation and radius must be finite, "
+               "the radius above 0",
+               stored.name, stored.refused, grains.size());
+  ++stored.version;
+}
+
+}  // namespace
+
+rules::SwarmRecord packed(const SwarmGrain& grain, float largest_radius) {
+  const quat& q = grain.rotation;
+  return {grain.position.x,
+          grain.position.y,
+          grain.position.z,
+          rules::packRotation(vec4(q.x, q.y, q.z, q.w)),
+          rules::packGrainLook(grain.tint, grain.roughness),
+          rules::packGrainSize(grain.radius / largest_radius, grain.seed)};
+}
+
+uint32_t SwarmStore::addShape(GrainShape shape) {
+  const auto refuse = [&](std::string_view what) {
+    fail(fmt::format("SwarmStore::addShape: shape \"{}\": {}", shape.name, what));
+  };
+  if (shape.levels.empty() || shape.levels.size() > rules::kMeshLevels)
+    refuse(fmt::format("{} mesh levels, 1 to {} are allowed", shape.levels.size(), rules::kMeshLevels));
+  if (!(std::isfinite(shape.outer_radius) && shape.outer_radius > 0))
+    refuse(fmt::format("outer radius {}, must be above 0", shape.outer_radius));
+  if (!(shape.inner_radius >= 0 && shape.inner_radius <= shape.outer_radius))
+    refuse(fmt::format("inner radius {}, 0 to {} are allowed", shape.inner_radius, shape.outer_radius));
+  shapes_.push_back(std::move(shape));
+  return static_cast<uint32_t>(shapes_.size() - 1);
+}
+
+const GrainShape& SwarmStore::shape(uint32_t handle) const {
+  if (handle >= shapes_.size()) fail(fmt::format("SwarmStore: shape {}; there are {}", handle, shapes_.size()));
+  return shapes_[handle];
+}
+
+uint32_t SwarmStore::add(std::string name, uint32_t shape_handle, std::span<const SwarmGrain> grains) {
+  shape(shape_handle);
+  Stored& stored = swarms_.emplace_back();
+  stored.name = std::move(name);
+  stored.shape = shape_handle;
+  take(stored, grains);
+  return static_cast<uint32_t>(swarms_.size() - 1);
+}
+
+uint32_t SwarmStore::add(std::string name, uint32_t shape_handle, uint64_t count, float largest_radius,
+                         const Fill& fill) {
+  shape(shape_handle);
+  if (!(std::isfinite(largest_radius) && largest_radius > 0))
+    fail(fmt::format("SwarmStore::add: swarm \"{}\": largest radius {}, must be above 0", name, largest_radius));
+  Stored& stored = swarms_.emplace_back();
+  stored.name = std::move(name);
+  stored.shape = shape_handle;
+  stored.largest_radius = largest_radius;
+  stored.version = 1;
+  for (uint64_t first = 0; first < count; first += kSwarmChunk) {
+    std::vector<rules::SwarmRecord>& chunk = stored.chunks.emplace_back(std::min<uint64_t>(kSwarmChunk, count - first));
+    fill(first, chunk);
+    const auto wrong = [](const rules::SwarmRecord& r) {
+      return !(std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z));
+    };
+    const auto kept = std::remove_if(chunk.begin(), chunk.end(), wrong);
+    stored.refused += static_cast<uint64_t>(chunk.end() - kept);
+    chunk.erase(kept, chunk.end());
+    for (const rules::SwarmRecord& r : chunk) {
+      const vec3 p(r.x, r.y, r.z);
+      stored.min = stored.count == 0 ? p : glm::min(stored.min, p);
+      stored.max = stored.count == 0 ? p : glm::max(stored.max, p);
+      ++stored.count;
+    }
+    if (chunk.empty()) stored.chunks.pop_back();
+  }
+  if (stored.refused > 0)
+    logWarning("SwarmStore: swarm \"{}\": {} of {} grains left out: positions must be finite", stored.name,
+               stored.refused, count);
+  return static_cast<uint32_t>(swarms_.size() - 1);
+}
+
+void SwarmStore::replace(uint32_t handle, std::span<const SwarmGrain> grains) {
+  swarm(handle);
+  take(swarms_[handle], grains);
+}
+
+const SwarmStore::Stored& SwarmStore::swarm(uint32_t handle) const {
+  if (handle >= swarms_.size()) fail(fmt::format("SwarmStore: swarm {}; there are {}", handle, swarms_.size()));
+  return swarms_[handle];
+}
+
+}  // namespace scree

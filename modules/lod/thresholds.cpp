@@ -1,0 +1,50 @@
+// Which representation suffices from which size on.
+#include <algorithm>
+
+#include "modules/lod/lod.h"
+
+namespace scree {
+
+LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings) {
+  const float kEver = 2 * rules::kLargestPx;
+  LodThresholds t;
+  const float tolerance = std::max(settings.tolerance_px, 0.0f);
+  // Level k - 1 takes over where level k is off by too much; a level without error does for all sizes.
+  for (uint32_t level = 1; level < rules::kMeshLevels; ++level) {
+    if (level >= shape.levels.size()) continue;  // 0: never
+    const float error = shape.levels[level].error;
+    t.mesh_px[level] = error > 0 ? tolerance / error : kEver;
+  }
+  const bool only_mesh = settings.only >= rules::kMesh;
+  if (only_mesh) {
+    for (uint32_t level = 1; level < shape.levels.size(); ++level)
+      t.mesh_px[level] = level <= settings.only - rules::kMesh ? kEver : 0;
+    return t;
+  }
+  if (settings.only == rules::kPoint) {
+    t.point_px = kEver;
+    return t;
+  }
+  const bool only_impostors = settings.only == rules::kImpostor || settings.only == rules::kOccluder;
+  if (!only_impostors) t.point_px = tolerance;
+  if (only_impostors && !shape.impostor.empty()) {
+    t.impostor_px = kEver;
+    return t;
+  }
+  // One range of sizes: from the first measured size that is good enough to the last before one that is not.
+  bool inside = false;
+  for (const ImpostorError& measured : shape.impostor) {
+    const bool good = measured.silhouette_px <= tolerance && measured.ssim >= settings.least_ssim;
+    if (good && !inside) {
+      if (t.impostor_px > 0) break;
+      // Below the smallest that was measured outlines are off by less yet.
+      t.impostor_from_px = &measured == &shape.impostor.front() ? 0 : measured.size_px;
+      inside = true;
+    }
+    if (good) t.impostor_px = measured.size_px;
+    if (!good && inside) break;
+  }
+  return t;
+}
+
+}  // namespace scree

@@ -1,0 +1,152 @@
+// lod.upload: brings swarms that changed to the GPU, and each frame the blocks of constants.
+#include "engine/app/app.h"
+#include "modules/deferred/deferred.h"
+#include "modules/lod/state.h"
+#include "shaders/shared/candidate.h"
+
+namespace scree::lod {
+namespace {
+
+static_assert(sizeof(rules::SwarmRecord) == 24 && sizeof(rules::SwarmBlock) == 112);
+
+uint32_t runsOf(uint32_t count) { return (count + rules::kRunGrains - 1) / rules::kRunGrains; }
+
+// Index counts and places of the levels; the rest of the commands is written on the GPU.
+rules::SwarmCommands commandsOf(const MeshStore& meshes, const GrainShape& shape) {
+  rules::SwarmCommands commands{};
+  for (size_t level = 0; level < shape.levels.size(); ++level) {
+    const MeshPart& part = meshes.mesh(shape.levels[level].mesh).parts.front();
+    commands.meshes[level] = {part.index_count, 0, part.first_index, part.base_vertex, 0};
+  }
+  return commands;
+}
+
+Chunk chunkOf(std::span<const rules::SwarmRecord> records, const rules::SwarmCommands& commands) {
+  Chunk chunk;
+  chunk.count = static_cast<uint32_t>(records.size());
+  const size_t runs = runsOf(chunk.count), blocks = (runs + rules::kBlockRuns - 1) / rules::kBlockRuns;
+  chunk.records = gpu::Buffer("lod.records", records);
+  chunk.representations = gpu::Buffer("lod.representations", 4 * rules::kRunWords * runs);
+  chunk.representations.fill(0);
+  chunk.counts = gpu::Buffer("lod.counts", 8 * runs);
+  chunk.prefix = gpu::Buffer("lod.prefix", 4 * rules::kRepresentations * (runs + blocks));
+  chunk.list = gpu::Buffer("lod.list", 4 * size_t{chunk.count});
+  chunk.commands = gpu::Buffer("lod.commands", sizeof(commands), &commands);
+  return chunk;
+}
+
+void makeResident(Resident& resident, const SwarmStore& store, const MeshStore& meshes) {
+  const SwarmStore::Stored& stored = store.swarm(resident.swarm);
+  if (resident.version == stored.version) return;
+  resident.version = stored.version;
+  // As many grains as before: what they were drawn as, and the buffers, stay.
+  const auto fits = [&](size_t k) {
+    return k < resident.chunks.size() && resident.chunks[k].count == stored.chunks[k].size();
+  };
+  for (size_t k = 0; k < stored.chunks.size(); ++k) {
+    const std::span<const rules::SwarmRecord> records(stored.chunks[k]);
+    if (fits(k)) {
+      resident.chunks[k].records.upload(records);
+      continue;
+    }
+    if (k == resident.chunks.size()) resident.chunks.emplace_back();
+    resident.chunks[k] = chunkOf(records, commandsOf(meshes, store.shape(stored.shape)));
+  }
+  resident.chunks.resize(stored.chunks.size());
+}
+
+void reserveCandidates(gpu::Buffer& candidates, ivec2 size) {
+  const size_t cells = rules::candidateBegin(size, rules::kCandidateLevels);
+  gpu::reserve(candidates, "lod.candidates", 4 * cells);
+}
+
+struct Placed {
+  const Resident* resident;
+  const Transform* transform;
+  Entity entity;
+};
+
+uint32_t possibleOf(const LodThresholds& t, size_t levels) {
+  uint32_t possible = 0;
+  const auto add = [&](uint32_t representation) { possible |= 1u << representation; };
+  if (t.point_px > 0) add(rules::kPoint);
+  if (t.impostor_px > t.impostor_from_px) {
+    add(rules::kImpostor);
+    add(rules::kOccluder);
+  }
+  for (uint32_t level = 0; level < levels; ++level) add(rules::kMesh + level);
+  return possible;
+}
+
+void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view, const LodSettings& settings) {
+  const SwarmStore& store = state.world.singleton<const SwarmStore>();
+  const SwarmStore::Stored& stored = store.swarm(placed.resident->swarm);
+  const GrainShape& shape = store.shape(stored.shape);
+  const dvec3 origin = placed.transform->position;
+  rules::SwarmBlock block{};
+  block.origin = vec4(vec3(origin - view.position), stored.largest_radius);
+  block.previous_origin =
+      vec4(vec3(origin - view.previous_position), shape.inner_radius / shape.outer_radius);
+  block.center_scale = vec4(shape.center, 1 / shape.outer_radius);
+  const LodThresholds t = thresholdsOf(shape, settings);
+  block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
+  block.point_px = t.point_px;
+  block.impostor_px = t.impostor_px;
+  block.impostor_from_px = t.impostor_from_px;
+  block.band = settings.band;
+  block.first_id = placed.entity.index + 1;
+  block.same_id = 1;
+  for (const Chunk& chunk : placed.resident->chunks) {
+    block.count = chunk.count;
+    block.first = static_cast<uint32_t>(state.grain_count);
+    block.run_count = runsOf(chunk.count);
+    Part part;
+    part.shape = stored.shape;
+    part.first = block.first;
+    part.count = chunk.count;
+    part.list = &chunk.list;
+    part.commands = &chunk.commands;
+    part.chunk = &chunk;
+    part.thresholds = t;
+    constexpr uint32_t kMeshes = (1u << rules::kRepresentations) - (1u << rules::kMesh);
+    block.listed = kMeshes | 1u << rules::kOccluder;
+    part.early = state.blocks.write(block);
+    block.listed = 1u << rules::kImpostor;
+    part.late = state.blocks.write(block);
+    state.parts.push_back(part);
+    state.grain_count += chunk.count;
+    state.possible |= possibleOf(t, shape.levels.size());
+  }
+}
+
+void upload(SwarmsDrawn::State& state) {
+  World& world = state.world;
+  const View& view = world.singleton<const View>();
+  const LodSettings& settings = world.singleton<const LodSettings>();
+  const SwarmStore& store = world.singleton<const SwarmStore>();
+  const MeshStore& meshes = world.singleton<const MeshStore>();
+  state.parts.clear();
+  state.grain_count = 0;
+  state.possible = 0;
+  state.blocks.beginFrame();
+  state.resident.resize(store.swarmCount());
+  state.swarms.each([&](Entity entity, const Swarm& swarm, const Transform& transform) {
+    store.swarm(swarm.swarm);
+    Resident& resident = state.resident[swarm.swarm];
+    resident.swarm = swarm.swarm;
+    makeResident(resident, store, meshes);
+    addParts(state, {&resident, &transform, entity}, view, settings);
+  });
+  reserveCandidates(state.candidates, world.singleton<const FrameInput>().size);
+}
+
+}  // namespace
+
+SystemDesc uploadSystem(const SharedState& state) {
+  return {.name = "lod.upload",
+          .phase = Phase::Prepare,
+          .needs = [state] { return !state->swarms.empty() || !state->parts.empty(); },
+          .run = [state](World&) { upload(*state); }};
+}
+
+}  // namespace scree::lod

@@ -1,0 +1,37 @@
+// How each grain is drawn: what lies outside of the view is not, the rest by its size. Impostors leave
+// the mark of the nearest of them in the map of occluder candidates.
+#define SWARM_ROUTES
+#include "lib/swarm.glsl"
+#include "shared/candidate.h"
+
+layout(local_size_x = 64) in;
+
+layout(std430, binding = kCandidateMapBinding) buffer CandidateMap { uint nearest[]; };
+
+uint representationNow(SwarmRecord grain, uint before) {
+  vec3 center = centerOf(grain);
+  float radius = radiusOf(grain);
+  for (int k = 0; k < 5; ++k)
+    if (dot(view.frustum_planes[k].xyz, center) + view.frustum_planes[k].w < -radius) return kNotDrawn;
+  float distance = length(center);
+  float size_px = sizePx(radius, distance, view.pixels_at_1m);
+  uint now = representationOf(size_px, before, swarm);
+  if (now == kImpostor) {
+    uint cell = candidateCell(pixelOf(view, center), size_px, ivec2(view.size_px));
+    uint key = candidateKey(distance);
+    if (nearest[cell] < key) atomicMax(nearest[cell], key);
+  }
+  return now;
+}
+
+void main() {
+  uint run = gl_GlobalInvocationID.x;
+  if (run >= swarm.run_count) return;
+  uint grain = run * kRunGrains, end = min(grain + kRunGrains, swarm.count);
+  for (uint word = run * kRunWords; word < (run + 1u) * kRunWords; ++word) {
+    uint before = representations[word], now = 0u;
+    for (uint shift = 0u; shift < 32u && grain < end; shift += 4u, ++grain)
+      now |= representationNow(records[grain], before >> shift & 15u) << shift;
+    representations[word] = now;
+  }
+}

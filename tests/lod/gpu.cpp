@@ -1,0 +1,162 @@
+// Routing on the GPU against the same rules on the CPU, and what near grains look like.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/gpu/counters.h"
+#include "modules/lod/state.h"
+#include "tests/lod/swarm_scene.h"
+
+namespace scree::test {
+namespace {
+
+class Routing : public GlTest {};
+
+std::vector<uint32_t> listOf(const SwarmPart& part, uint32_t representation) {
+  rules::SwarmCommands commands{};
+  gpu::readBuffer(*part.commands, &commands, sizeof(commands));
+  return gpu::readBuffer<uint32_t>(*part.list, commands.count[representation], 4 * size_t{commands.begin[representation]});
+}
+
+// Routes by the rules that the GPU shares, in the CPU's arithmetic; `doubtful` where rounding may decide.
+struct Expected {
+  std::vector<uint32_t> route;
+  std::vector<bool> doubtful;
+};
+Expected expectedRoutes(SwarmScene& scene, std::span<const rules::SwarmRecord> records, const rules::SwarmBlock& block) {
+  const rules::ViewBlock& view = scene.world.singleton<const View>().block;
+  Expected expected{std::vector<uint32_t>(records.size()), std::vector<bool>(records.size())};
+  std::vector<uint32_t> nearest(rules::candidateBegin(scene.size, rules::kCandidateLevels));
+  std::vector<uint32_t> cell(records.size()), key(records.size());
+  for (size_t k = 0; k < records.size(); ++k) {
+    const rules::SwarmRecord& record = records[k];
+    const vec3 center = vec3(block.origin) + vec3(record.x, record.y, record.z);
+    const float radius = rules::radiusOf(record.size, block.origin.w), distance = glm::length(center);
+    bool outside = false;
+    for (const vec4& plane : view.frustum_planes) {
+      const float depth = glm::dot(vec3(plane), center) + plane.w;
+      outside = outside || depth < -radius;
+      if (std::abs(depth + radius) < 1e-5f * distance) expected.doubtful[k] = true;
+    }
+    const float size = rules::sizePx(radius, distance, view.pixels_at_1m);
+    for (const float t : {block.point_px, block.impostor_px, block.impostor_from_px, block.mesh_px.y, block.mesh_px.z, block.mesh_px.w})
+      if (std::abs(size - t) < 1e-5f * size) expected.doubtful[k] = true;
+    expected.route[k] = outside ? rules::kNotDrawn : rules::representationOf(size, rules::kNotDrawn, block);
+    if (expected.route[k] != rules::kImpostor) continue;
+    cell[k] = rules::candidateCell(rules::pixelOf(view, center), size, scene.size);
+    key[k] = rules::candidateKey(distance);
+    nearest[cell[k]] = std::max(nearest[cell[k]], key[k]);
+  }
+  for (size_t k = 0; k < records.size(); ++k) {
+    if (expected.route[k] != rules::kImpostor) continue;
+    const vec3 center = vec3(block.origin) + vec3(records[k].x, records[k].y, records[k].z);
+    const vec2 pixel = rules::pixelOf(view, center);
+    const float size = rules::sizePx(rules::radiusOf(records[k].size, block.origin.w), glm::length(center), view.pixels_at_1m);
+    for (const vec2 d : {vec2(1e-3f, 0), vec2(-1e-3f, 0), vec2(0, 1e-3f), vec2(0, -1e-3f)})
+      for (const float s : {0.99999f, 1.00001f})
+        if (rules::candidateCell(pixel + d, size * s, scene.size) != cell[k]) expected.doubtful[k] = true;
+    if (nearest[cell[k]] - key[k] <= 4 && nearest[cell[k]] != key[k]) expected.doubtful[k] = true;
+    if (nearest[cell[k]] == key[k]) expected.route[k] = rules::kOccluder;
+  }
+  return expected;
+}
+
+void expectRoutes(SwarmScene& scene, uint32_t swarm, const char* what) {
+  scene.render();
+  const SwarmPart& part = scene.drawn().part(0);
+  const auto& records = scene.world.singleton<const SwarmStore>().swarm(swarm).chunks[0];
+  const lod::Part& drawn = static_cast<const lod::Part&>(part);
+  const rules::SwarmBlock block = *static_cast<const rules::SwarmBlock*>(drawn.early.data);
+  const Expected expected = expectedRoutes(scene, records, block);
+  const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(drawn.chunk->representations, (records.size() + 7) / 8);
+  size_t wrong = 0, doubtful = 0, of[rules::kRepresentations] = {};
+  std::vector<uint32_t> lists[rules::kRepresentations];
+  for (uint32_t k = 0; k < records.size(); ++k) {
+    const uint32_t route = words[k / 8] >> 4 * (k % 8) & 15;
+    ASSERT_LT(route, rules::kRepresentations);
+    ++of[route];
+    lists[route].push_back(k);
+    doubtful += expected.doubtful[k];
+    wrong += route != expected.route[k] && !expected.doubtful[k];
+  }
+  std::printf("%s: none %zu, points %zu, impostors %zu, occluders %zu, meshes %zu %zu %zu %zu; %zu doubtful\n", what, of[0],
+              of[1], of[2], of[3], of[4], of[5], of[6], of[7], doubtful);
+  EXPECT_EQ(wrong, 0u) << what;
+  EXPECT_LE(doubtful, 20 + records.size() / 100) << what;
+  // The lists are those of the routes, in the order of the rows.
+  for (const uint32_t r : {rules::kImpostor, rules::kOccluder, rules::kMesh, rules::kMesh + 1, rules::kMesh + 2, rules::kMesh + 3})
+    EXPECT_EQ(listOf(part, r), lists[r]) << what << ", representation " << r;
+}
+
+TEST_F(Routing, IsTheCpusAndListsAreInOrder) {
+  for (const size_t count : {size_t{1}, size_t{63}, size_t{64}, size_t{65}, size_t{4096}, size_t{4097}, size_t{100003}}) {
+    SwarmScene scene;
+    GrainShape shape = scene.ballShape();
+    shape.impostor = {{2, 0.1f, 1}, {40, 0.4f, 1}};
+    scene.look({0, 0, 3}, {0, 0, 0});
+    const std::vector<SwarmGrain> grains = cloud(count, 2, 0.001f, 0.3f);
+    scene.show(scene.world.singleton<SwarmStore>().addShape(shape), grains);
+    expectRoutes(scene, 0, std::to_string(count).c_str());
+  }
+}
+
+TEST_F(Routing, EmptySwarmsAndNoSwarms) {
+  SwarmScene scene;
+  scene.render();
+  EXPECT_EQ(scene.app.frame().runCount("lod.classify"), 0u);
+  const gpu::Counters before = gpu::counters();
+  scene.render();
+  const gpu::Counters spent = gpu::counters() - before;
+  EXPECT_EQ(spent.dispatches, 0u);
+  EXPECT_EQ(spent.buffers, 0u);
+  EXPECT_EQ(spent.programs, 0u);
+  scene.show(scene.addShape(), {});
+  scene.render();
+  EXPECT_EQ(scene.app.frame().runCount("lod.classify"), 0u);
+}
+
+TEST_F(Routing, GoneSwarmsAreNotDrawn) {
+  SwarmScene scene;
+  scene.look({0, 0, 3}, {0, 0, 0});
+  const Entity entity = scene.show(scene.addShape(), cloud(100, 1, 0.1f, 0.2f));
+  scene.render();
+  EXPECT_EQ(scene.app.frame().runCount("lod.meshes"), 1u);
+  scene.world.destroy(entity);
+  scene.render();
+  EXPECT_EQ(scene.app.frame().runCount("lod.meshes"), 1u);
+  EXPECT_EQ(scene.drawn().size(), 0u);
+}
+
+TEST_F(Routing, MeshesAreWhereTheGrainsAre) {
+  SwarmScene scene;
+  scene.look({0, 0, 4}, {0, 0, 0});
+  const std::vector<SwarmGrain> grains = cloud(200, 1, 0.05f, 0.15f);
+  const Entity entity = scene.show(scene.addShape(), grains, dvec3(1e6, 0, 0));
+  scene.look(dvec3(1e6, 0, 4), dvec3(1e6, 0, 0));
+  scene.render();
+  // Every pixel against the spheres: outlines of the mesh lie within them.
+  const std::vector<uint32_t> id = gpu::readUints(scene.app.frame().texture(kGbufferId), 1);
+  const double tan_y = std::tan(0.5 * static_cast<double>(scene.world.peek<Camera>(scene.camera)->fov_y_rad));
+  size_t covered = 0, wrong = 0;
+  for (int y = 0; y < scene.size.y; ++y)
+    for (int x = 0; x < scene.size.x; ++x) {
+      const dvec3 ray = glm::normalize(dvec3((2 * (x + 0.5) / scene.size.x - 1) * tan_y * scene.size.x / scene.size.y,
+                                             (2 * (y + 0.5) / scene.size.y - 1) * tan_y, -1));
+      double most = -1e9;  // how deep the ray goes into a grain, m
+      for (const SwarmGrain& grain : grains) {
+        const dvec3 to = dvec3(grain.position) - dvec3(0, 0, 4);
+        const double along = glm::dot(to, ray);
+        most = std::max(most, static_cast<double>(grain.radius) - glm::length(to - along * ray));
+      }
+      const bool drawn = id[static_cast<size_t>(y) * static_cast<size_t>(scene.size.x) + static_cast<size_t>(x)] == entity.index + 1;
+      covered += drawn;
+      const double pixel = 8 * tan_y / scene.size.y;
+      const bool off = drawn ? most < -0.1 * pixel : most > 1.5 * pixel;
+      wrong += off;
+
+    }
+  EXPECT_GT(covered, 1000u);
+  EXPECT_EQ(wrong, 0u);
+}
+
+}  // namespace
+}  // namespace scree::test

@@ -1,0 +1,49 @@
+// A scene of a swarm for the tests of what draws grains, and the router's rules run on the CPU.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "engine/core/random.h"
+#include "modules/lod/lod.h"
+#include "shaders/shared/candidate.h"
+#include "tests/deferred/studio.h"
+
+namespace scree::test {
+
+struct SwarmScene : Studio {
+  explicit SwarmScene(ivec2 output = {320, 240}) : Studio(output) {
+    addLod(app);
+    app.frame().keep(kSwarmLateLists, true);
+  }
+
+  // A sphere of radius 1, without impostors.
+  GrainShape ballShape() {
+    GrainShape shape;
+    shape.name = "ball";
+    shape.inner_radius = 0.99f;
+    addLevels(world.singleton<MeshStore>(), shape, sphereMesh(20, 40), 0);
+    return shape;
+  }
+  uint32_t addShape() { return world.singleton<SwarmStore>().addShape(ballShape()); }
+  Entity show(uint32_t shape, std::span<const SwarmGrain> grains, dvec3 origin = dvec3(0)) {
+    const uint32_t swarm = world.singleton<SwarmStore>().add("grains", shape, grains);
+    return world.spawn(Transform{.position = origin}, Swarm{swarm});
+  }
+  SwarmsDrawn& drawn() { return world.singleton<SwarmsDrawn>(); }
+};
+
+inline std::vector<SwarmGrain> cloud(size_t count, float half_extent, float least, float most, uint64_t seed = 1) {
+  std::vector<SwarmGrain> grains(count);
+  for (size_t k = 0; k < count; ++k) {
+    const auto unit = [&](uint32_t at) { return randomUnit(seed, k, 0, at); };
+    grains[k].position = (vec3(unit(0), unit(1), unit(2)) * 2.0f - 1.0f) * half_extent;
+    grains[k].radius = least * std::pow(most / least, unit(3));
+    grains[k].rotation = glm::normalize(quat(unit(4) - 0.5f, unit(5) - 0.5f, unit(6) - 0.5f, unit(7) - 0.5f));
+    grains[k].tint = vec3(unit(8), unit(9), unit(10));
+    grains[k].seed = static_cast<uint16_t>(k);
+  }
+  return grains;
+}
+
+}  // namespace scree::test

@@ -1,0 +1,190 @@
+// The router's rules and stores, without GL.
+#include <gtest/gtest.h>
+
+#include <glm/gtc/quaternion.hpp>
+
+#include <cmath>
+#include <limits>
+
+#include "engine/core/random.h"
+#include "modules/lod/lod.h"
+#include "tests/deferred/studio.h"
+
+namespace scree::test {
+namespace {
+
+TEST(SwarmRecords, RotationsKeepTheirPrecision) {
+  double worst = 0;
+  for (uint64_t k = 0; k < 200000; ++k) {
+    // Uniform on the sphere of quaternions (Shoemake 1992).
+    const double u = randomUnit(3, k, 0, 0), a = 6.283185307179586 * randomUnit(3, k, 0, 1),
+                 b = 6.283185307179586 * randomUnit(3, k, 0, 2);
+    const double s = std::sqrt(1 - u), c = std::sqrt(u);
+    const vec4 q(s * std::sin(a), s * std::cos(a), c * std::sin(b), c * std::cos(b));
+    const vec4 back = rules::unpackRotation(rules::packRotation(q));
+    const double dot = std::abs(glm::dot(glm::dvec4(q), glm::dvec4(back)));
+    worst = std::max(worst, 2 * std::sqrt(2 * std::max(1 - dot, 0.0)));  // angle, for small ones
+  }
+  std::printf("worst angle %.3g rad\n", worst);
+  EXPECT_LT(worst, 4.1e-3);
+  EXPECT_GT(worst, 1e-4);
+}
+
+TEST(SwarmRecords, RotationsWithoutDirectionAreNone) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const vec4 q : {vec4(0), vec4(nan, 0, 0, 1), vec4(1e30f)}) {
+    const vec4 back = rules::unpackRotation(rules::packRotation(q));
+    EXPECT_NEAR(std::abs(back.w), 1, 1e-5) << q.x;
+  }
+  // All signs and each largest component.
+  for (int most = 0; most < 4; ++most)
+    for (int signs = 0; signs < 16; ++signs) {
+      vec4 q(0.1f);
+      q[most] = 0.9f;
+      for (int k = 0; k < 4; ++k)
+        if ((signs >> k & 1) != 0) q[k] = -q[k];
+      const vec4 unit = q / std::sqrt(glm::dot(q, q));
+      EXPECT_NEAR(std::abs(glm::dot(unit, rules::unpackRotation(rules::packRotation(q)))), 1, 2e-6);
+    }
+}
+
+TEST(SwarmRecords, SizesAndLooks) {
+  for (const float share : {0.0f, 1e-5f, 0.25f, 0.5f, 1.0f})
+    EXPECT_NEAR(rules::radiusOf(rules::packGrainSize(share, 77), 3), 3 * share, 3.0 / 65535);
+  EXPECT_EQ(rules::packGrainSize(0.5f, 0xabcd) >> 16, 0xabcdu);
+  const uint32_t look = rules::packGrainLook({0, 0.25f, 1}, 0.5f);
+  EXPECT_NEAR(rules::tintOf(look).y, 0.25f, 0.003f);
+  EXPECT_EQ(rules::tintOf(look).x, 0.0f);
+  EXPECT_EQ(rules::tintOf(look).z, 1.0f);
+  EXPECT_NEAR(rules::roughnessOf(look), 0.5f, 0.002f);
+}
+
+GrainShape measuredShape() {
+  GrainShape shape;
+  shape.levels = {{0, 0}, {1, 0.01f}, {2, 0.05f}};
+  shape.impostor = {{4, 0.1f, 0.97f}, {8, 0.2f, 0.98f}, {16, 0.3f, 0.98f}, {32, 0.6f, 0.97f}, {64, 1.2f, 0.9f}};
+  return shape;
+}
+
+TEST(Thresholds, FollowTheMeasuredErrors) {
+  LodThresholds t = thresholdsOf(measuredShape(), {.tolerance_px = 0.5f});
+  EXPECT_FLOAT_EQ(t.point_px, 0.5f);
+  EXPECT_FLOAT_EQ(t.impostor_from_px, 0);
+  EXPECT_FLOAT_EQ(t.impostor_px, 16);
+  EXPECT_FLOAT_EQ(t.mesh_px[1], 50);
+  EXPECT_FLOAT_EQ(t.mesh_px[2], 10);
+  EXPECT_FLOAT_EQ(t.mesh_px[3], 0) << "there is no such level";
+  t = thresholdsOf(measuredShape(), {.tolerance_px = 2});
+  EXPECT_FLOAT_EQ(t.impostor_px, 32) << "the similarity ends it, not the outline";
+  // An impostor that is bad at small sizes.
+  GrainShape shape = measuredShape();
+  shape.impostor[0].ssim = 0.9f;
+  t = thresholdsOf(shape, {.tolerance_px = 0.5f});
+  EXPECT_FLOAT_EQ(t.impostor_from_px, 8);
+  EXPECT_FLOAT_EQ(t.impostor_px, 16);
+  // One that is good nowhere.
+  t = thresholdsOf(measuredShape(), {.tolerance_px = 0.01f});
+  EXPECT_FLOAT_EQ(t.impostor_px, 0);
+}
+
+rules::SwarmBlock blockOf(const LodThresholds& t, float band) {
+  rules::SwarmBlock block{};
+  block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
+  block.point_px = t.point_px;
+  block.impostor_px = t.impostor_px;
+  block.impostor_from_px = t.impostor_from_px;
+  block.band = band;
+  return block;
+}
+
+TEST(Representation, ErrorIsWithinTheToleranceAtEverySize) {
+  const GrainShape shape = measuredShape();
+  const LodSettings settings{.tolerance_px = 0.5f};
+  const rules::SwarmBlock block = blockOf(thresholdsOf(shape, settings), 0);
+  uint32_t last = rules::kPoint;
+  for (float size = 0.01f; size < 1000; size *= 1.01f) {
+    const uint32_t r = rules::representationOf(size, rules::kNotDrawn, block);
+    float error = 0;
+    if (r == rules::kPoint) error = size;
+    if (r == rules::kImpostor)
+      for (const ImpostorError& e : shape.impostor) {
+        error = e.silhouette_px;
+        if (e.size_px >= size) break;
+      }
+    if (r >= rules::kMesh) error = shape.levels[r - rules::kMesh].error * size;
+    EXPECT_LE(error, settings.tolerance_px) << size;
+    if (last >= rules::kMesh) {
+      EXPECT_LE(r, last) << "finer as it comes near";
+    }
+    last = r;
+  }
+  EXPECT_EQ(last, rules::kMesh);
+}
+
+TEST(Representation, TremblingAtAThresholdSwitchesOnce) {
+  const rules::SwarmBlock block = blockOf(thresholdsOf(measuredShape(), {.tolerance_px = 0.5f}), 0.05f);
+  for (const float threshold : {0.5f, 16.0f, 50.0f}) {
+    uint32_t r = rules::representationOf(threshold * 0.999f, rules::kNotDrawn, block);
+    int switches = 0;
+    for (int k = 0; k < 1000; ++k) {
+      const float size = threshold * (1 + 1e-4f * (2 * randomUnit(5, static_cast<uint64_t>(k), 0, 0) - 1));
+      const uint32_t now = rules::representationOf(size, r, block);
+      switches += now != r;
+      r = now;
+    }
+    EXPECT_LE(switches, 1) << threshold;
+    // And it does switch in the end, both ways.
+    const uint32_t above = rules::representationOf(threshold * 1.2f, r, block);
+    const uint32_t below = rules::representationOf(threshold * 0.8f, above, block);
+    EXPECT_NE(above, below) << threshold;
+  }
+}
+
+TEST(SwarmStores, RefuseWhatIsNotFinite) {
+  SwarmStore store;
+  GrainShape shape;
+  shape.levels = {{0, 0}};
+  const uint32_t handle = store.addShape(shape);
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  std::vector<SwarmGrain> grains(6);
+  grains[1].position.y = nan;
+  grains[2].radius = inf;
+  grains[3].radius = 0;
+  grains[4].radius = -1;
+  grains[5].rotation.w = nan;
+  const uint32_t swarm = store.add("odd", handle, grains);
+  EXPECT_EQ(store.swarm(swarm).count, 1u);
+  EXPECT_EQ(store.swarm(swarm).refused, 5u);
+  EXPECT_EQ(store.swarm(store.add("empty", handle, std::span<const SwarmGrain>{})).count, 0u);
+}
+
+TEST(MeshLevels, ErrorsHoldAgainstTheMesh) {
+  MeshStore meshes;
+  GrainShape shape;
+  const MeshData mesh = sphereMesh();
+  addLevels(meshes, shape, mesh, 0);
+  ASSERT_GE(shape.levels.size(), 3u);
+  uint32_t before = 0xffffffffu;
+  for (const GrainShape::Level& level : shape.levels) {
+    const MeshPart& part = meshes.mesh(level.mesh).parts.front();
+    EXPECT_LT(part.index_count, before);
+    before = part.index_count;
+    // Of a unit sphere the middles of the triangles are off most.
+    const auto vertices = meshes.vertices(part);
+    const auto indices = meshes.indices(part);
+    double off = 0;
+    for (size_t k = 0; k < indices.size(); k += 3) {
+      const vec3 middle =
+          (vertices[indices[k]].position + vertices[indices[k + 1]].position + vertices[indices[k + 2]].position) / 3.0f;
+      off = std::max(off, 1.0 - static_cast<double>(glm::length(middle)));
+    }
+    std::printf("%u triangles: error stated %.4f, middles off %.4f\n", part.index_count / 3, level.error, off);
+    if (&level != &shape.levels.front()) {
+      EXPECT_GE(level.error, 0.98 * off - 1e-3);
+      EXPECT_LT(level.error, 1.5 * off + 3e-3);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace scree::test
