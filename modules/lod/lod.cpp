@@ -28,7 +28,7 @@ void addLod(App& app) {
   world.singleton<LodSettings>();
   world.singleton<SwarmsDrawn>().state = state;
 
-  for (const std::string_view resource : {std::string_view(lod::kRoutes), kSwarmLists, kSwarmLateLists})
+  for (const std::string_view resource : {kSwarmRoutes, kSwarmLists, kSwarmLateLists})
     app.frame().addExternal(std::string(resource));
 
   app.addSystem(lod::uploadSystem(state));

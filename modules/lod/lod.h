@@ -3,8 +3,8 @@
 //
 // Method: Michel and Boubekeur 2020, "Real Time Multiscale Rendering of Dense Dynamic Stackings", sections 6 to
 // 9, with lists made by prefix sums in place of atomics (the same lists in every run), thresholds from measured
-// errors, and hysteresis. In: Swarm, the stores below, View. Out: external resources kSwarmLists and
-// kSwarmRoutes, from which modules draw; meshes are drawn here, the rest by modules/impostors and modules/points.
+// errors, and hysteresis. In: Swarm, the stores below, View. Out: external resources kSwarmRoutes and
+// kSwarmLists, from which modules draw; meshes are drawn here, the rest by modules/impostors and modules/points.
 // Cost: 29.1 bytes a grain on the GPU; a frame reads each grain once or twice, and nothing comes back.
 #pragma once
 
@@ -48,6 +48,8 @@ struct GrainShape {
     float error = 0;    // largest distance to the finest level / outer radius
   };
   std::vector<Level> levels;             // finest first; 1 to rules::kMeshLevels
+  vec3 albedo{1};                        // mean over its surface, linear
+  float roughness = 1, metallic = 0;     // likewise
   std::vector<ImpostorError> impostor;   // by rising size; empty: it has none
 };
 
@@ -125,13 +127,16 @@ struct LodThresholds {
 };
 LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings);
 
-// The levels of a mesh, simplified, in the MeshStore, with `material` of the MaterialStore: triangles halve to
-// quarter from level to level as long as it can be simplified. Sets levels; center and outer_radius must be set.
+// The levels of a mesh, simplified, in the MeshStore, with `material` of the MaterialStore: each has about a third
+// of the triangles of the one before, as long as it can be simplified. Sets levels; outer_radius must be set.
 void addLevels(MeshStore& meshes, GrainShape& shape, const MeshData& mesh, uint32_t material);
+// Sets albedo, roughness and metallic to their means over the mesh.
+void setMeanLook(const MaterialStore& materials, GrainShape& shape, const MeshData& mesh, uint32_t material);
 
 // ---- For modules that draw grains --------------------------------------------------------------
 
-// External resources: lists of what Stage::Route chose; lists of what is drawn after the depth pyramid.
+// External resources: what Stage::Route chose; lists of that; lists of what is drawn after the depth pyramid.
+inline constexpr std::string_view kSwarmRoutes = "lod.routes";  // representations, of all grains
 inline constexpr std::string_view kSwarmLists = "lod.lists";
 inline constexpr std::string_view kSwarmLateLists = "lod.late_lists";
 
@@ -139,7 +144,7 @@ inline constexpr std::string_view kSwarmLateLists = "lod.late_lists";
 // SwarmBlock, records, representations, list, commands (also as indirect commands, see swarmCommands()).
 struct SwarmPart {
   uint32_t shape = 0;
-  uint32_t first = 0, count = 0;  // numbers of its grains, over all that is drawn
+  uint32_t first = 0, count = 0, runs = 0;  // numbers of its grains, over all that is drawn
   const gpu::Buffer* commands = nullptr;
   const gpu::Buffer* list = nullptr;
 };

@@ -67,8 +67,8 @@ PassDesc meshPass(const SharedState& state) {
   const auto programs = std::make_shared<MeshPrograms>();
   return {.name = "lod.meshes",
           .stage = Stage::Geometry,
-          .needs_text = "a swarm",
-          .needs = [state] { return !state->parts.empty(); },
+          .needs_text = "a swarm that may be meshes",
+          .needs = [state] { return state->possible >> rules::kMesh != 0; },
           .needs_content = {std::string(kSwarmLists)},
           .uses = gbufferUses({{std::string(kSwarmLists), Access::Indirect}, {std::string(kSwarmLists), Access::Vertex}}),
           .run = [state, programs](PassContext& context) {

@@ -28,8 +28,6 @@ void bindPart(const Part& part, const gpu::StreamSlice& block) {
   part.chunk->commands.bindStorage(rules::kSwarmCommandsBinding);
 }
 
-uint32_t runsOf(const Part& part) { return (part.count + rules::kRunGrains - 1) / rules::kRunGrains; }
-
 void storageBarrier() { gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT); }
 
 // Counts, prefix sums, commands, lists.
@@ -41,7 +39,7 @@ struct ListPrograms {
       : count(std::move(count_in)), commands(std::move(commands_in)) {}
 
   void run(const Part& part, const gpu::StreamSlice& block) {
-    const uint32_t runs = runsOf(part);
+    const uint32_t runs = part.runs;
     bindPart(part, block);
     if (!count.use()) return;
     gpu::dispatchItems(runs, kGroup);
@@ -65,14 +63,14 @@ PassDesc classifyPass(const SharedState& state) {
           .stage = Stage::Route,
           .needs_text = "a swarm",
           .needs = [state] { return !state->parts.empty(); },
-          .uses = {{kRoutes, Access::StorageWrite}},
+          .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}},
           .run = [state, classify](PassContext&) {
             if (!classify->use()) return;
             state->candidates.fill(0);
             state->candidates.bindStorage(rules::kCandidateMapBinding);
             for (const Part& part : state->parts) {
               bindPart(part, part.early);
-              gpu::dispatchItems(runsOf(part), kGroup);
+              gpu::dispatchItems(part.runs, kGroup);
             }
           }};
 }
@@ -84,8 +82,8 @@ PassDesc listPass(const SharedState& state) {
           .stage = Stage::Route,
           .needs_text = "a swarm",
           .needs = [state] { return !state->parts.empty(); },
-          .needs_content = {kRoutes},
-          .uses = {{kRoutes, Access::StorageWrite}, {std::string(kSwarmLists), Access::StorageWrite}},
+          .needs_content = {std::string(kSwarmRoutes)},
+          .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}, {std::string(kSwarmLists), Access::StorageWrite}},
           .run = [state, programs](PassContext&) {
             state->candidates.bindStorage(rules::kCandidateMapBinding);
             for (const Part& part : state->parts) programs->run(part, part.early);
@@ -99,7 +97,7 @@ PassDesc lateListPass(const SharedState& state) {
           .needs_text = "a swarm with impostors",
           .needs = [state] { return (state->possible >> rules::kImpostor & 1) != 0; },
           .needs_content = {std::string(kSwarmLists)},
-          .uses = {{kRoutes, Access::StorageRead},
+          .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
                    {std::string(kSwarmLists), Access::StorageRead},
                    {std::string(kSwarmLateLists), Access::StorageWrite}},
           .run = [state, programs](PassContext&) {

@@ -57,9 +57,6 @@ namespace scree::lod {
 
 using SharedState = std::shared_ptr<SwarmsDrawn::State>;
 
-// External resource between the passes: how each grain is drawn.
-inline constexpr const char* kRoutes = "lod.routes";
-
 SystemDesc uploadSystem(const SharedState& state);
 PassDesc classifyPass(const SharedState& state);
 PassDesc listPass(const SharedState& state);

@@ -1,4 +1,6 @@
 // lod.upload: brings swarms that changed to the GPU, and each frame the blocks of constants.
+#include <algorithm>
+
 #include "engine/app/app.h"
 #include "modules/deferred/deferred.h"
 #include "modules/lod/state.h"
@@ -7,7 +9,7 @@
 namespace scree::lod {
 namespace {
 
-static_assert(sizeof(rules::SwarmRecord) == 24 && sizeof(rules::SwarmBlock) == 112);
+static_assert(sizeof(rules::SwarmRecord) == 24 && sizeof(rules::SwarmBlock) == 128);
 
 uint32_t runsOf(uint32_t count) { return (count + rules::kRunGrains - 1) / rules::kRunGrains; }
 
@@ -74,6 +76,8 @@ uint32_t possibleOf(const LodThresholds& t, size_t levels) {
     add(rules::kImpostor);
     add(rules::kOccluder);
   }
+  const float most = std::max(t.point_px, t.impostor_px);
+  if (most > rules::kLargestPx) return possible;  // one for all sizes
   for (uint32_t level = 0; level < levels; ++level) add(rules::kMesh + level);
   return possible;
 }
@@ -88,6 +92,9 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.previous_origin =
       vec4(vec3(origin - view.previous_position), shape.inner_radius / shape.outer_radius);
   block.center_scale = vec4(shape.center, 1 / shape.outer_radius);
+  block.albedo = vec4(shape.albedo, 1);
+  block.roughness = shape.roughness;
+  block.metallic = shape.metallic;
   const LodThresholds t = thresholdsOf(shape, settings);
   block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
   block.point_px = t.point_px;
@@ -104,6 +111,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     part.shape = stored.shape;
     part.first = block.first;
     part.count = chunk.count;
+    part.runs = block.run_count;
     part.list = &chunk.list;
     part.commands = &chunk.commands;
     part.chunk = &chunk;

@@ -23,6 +23,10 @@ const int kSwarmPrefixBinding = 6;           // counts before a run, in its bloc
 const int kSwarmListBinding = 7;             // grains by representation
 const int kSwarmCommandsBinding = 8;
 const int kCandidateMapBinding = 9;          // nearest grain by cell: shared/swarm.h
+const int kPointKeysBinding = 10;            // shared/points.h, by pixel
+const int kPointSumsBinding = 11;
+const int kPointIdsBinding = 12;
+const int kPointSurfacesBinding = 13;
 
 // Texture units. One kind of sampler a unit, never mixed within a program.
 const int kBaseColorUnit = 0;

@@ -1,0 +1,66 @@
+// What a shape looks like from so far that nothing of it is told apart.
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/assets/gltf.h"
+#include "engine/assets/mesh_data.h"
+#include "modules/lod/lod.h"
+
+namespace scree {
+namespace {
+
+// The texel at uv, linear; nearest: the mean over a surface needs no more.
+vec3 texelOf(const MaterialStore& materials, int image_index, vec2 uv, vec3 if_none) {
+  if (image_index < 0) return if_none;
+  const ImageData& image = materials.image(image_index);
+  if (image.bytes.empty()) return if_none;
+  const auto wrapped = [](float v, int size) {
+    const float part = v - std::floor(v);
+    return std::clamp(static_cast<int>(part * static_cast<float>(size)), 0, size - 1);
+  };
+  const auto at = static_cast<size_t>(wrapped(uv.y, image.height) * image.width + wrapped(uv.x, image.width)) *
+                  static_cast<size_t>(image.channels);
+  vec3 value;
+  for (int k = 0; k < 3; ++k) {
+    const float code = static_cast<float>(image.bytes[at + static_cast<size_t>(std::min(k, image.channels - 1))]) / 255;
+    value[k] = image.encoding != ColorEncoding::Srgb ? code
+               : code <= 0.04045f                    ? code / 12.92f
+                                                     : std::pow((code + 0.055f) / 1.055f, 2.4f);
+  }
+  return value;
+}
+
+}  // namespace
+
+void setMeanLook(const MaterialStore& materials, GrainShape& shape, const MeshData& mesh, uint32_t material_handle) {
+  const MaterialData& material = materials.material(material_handle);
+  constexpr int kSteps = 4;  // samples along an edge of a triangle
+  dvec3 albedo(0), surface(0);
+  double weight = 0;
+  for (size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
+    const Vertex &a = mesh.vertices[mesh.indices[k]], &b = mesh.vertices[mesh.indices[k + 1]],
+                 &c = mesh.vertices[mesh.indices[k + 2]];
+    const double area = static_cast<double>(glm::length(glm::cross(b.position - a.position, c.position - a.position)));
+    for (int i = 0; i < kSteps; ++i)
+      for (int j = 0; j < kSteps - i; ++j) {
+        const float u = (static_cast<float>(i) + 1.0f / 3) / kSteps, v = (static_cast<float>(j) + 1.0f / 3) / kSteps;
+        const vec2 uv = a.uv + (b.uv - a.uv) * u + (c.uv - a.uv) * v;
+        albedo += area * dvec3(texelOf(materials, material.base_color_map.image, uv, vec3(1)));
+        surface += area * dvec3(texelOf(materials, material.metallic_roughness_map.image, uv, vec3(1)));
+        weight += area;
+      }
+  }
+  if (weight > 0) {
+    albedo /= weight;
+    surface /= weight;
+  } else {
+    albedo = surface = dvec3(1);
+  }
+  shape.albedo = vec3(material.base_color) * vec3(albedo);
+  shape.roughness = material.roughness * static_cast<float>(surface.y);
+  shape.metallic = material.metallic * static_cast<float>(surface.z);
+}
+
+}  // namespace scree

@@ -1,0 +1,158 @@
+// points.depth, points.sum, points.resolve, and the buffers between them.
+#include "modules/points/points.h"
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "engine/app/app.h"
+#include "engine/gpu/draw.h"
+#include "engine/gpu/gl.h"
+#include "engine/gpu/program.h"
+#include "engine/gpu/state.h"
+#include "modules/deferred/deferred.h"
+#include "modules/lod/lod.h"
+
+namespace scree {
+namespace {
+
+constexpr const char *kKeys = "points.keys", *kSums = "points.sums";
+constexpr uint32_t kGroup = 64;  // local size of the splats
+constexpr int kSurface = 0, kToSun = 1, kLeastArea = 2;  // uniform locations
+// A pixel is drawn if points cover at least this share of it.
+constexpr float kLeastShare = 0.5f;
+
+// What a program is compiled for.
+enum Feature : unsigned { kMotion = 1, kIds = 2, kSurfaces = 4, kFeatureSets = 8 };
+
+gpu::Program programOf(const std::string& name, unsigned features) {
+  gpu::ProgramDesc desc{.name = "points." + name};
+  if (name == "resolve") {
+    desc.vertex = "lib/full_screen.vert";
+    desc.fragment = "points/resolve.frag";
+  } else {
+    desc.compute = "points/" + name + ".comp";
+  }
+  const auto define = [&](unsigned feature, const char* text) {
+    if ((features & feature) == 0) return;
+    desc.defines.push_back(text);
+    desc.name += std::string("_") + text;
+  };
+  define(kMotion, "MOTION");
+  define(kIds, "IDS");
+  define(kSurfaces, "SURFACES");
+  return gpu::Program(std::move(desc));
+}
+
+using Programs = std::array<std::optional<gpu::Program>, kFeatureSets>;
+
+struct Points {
+  explicit Points(App& app) : world(app.world()) {}
+
+  World& world;
+  gpu::Buffer keys, sums, ids, surfaces;  // by pixel
+  gpu::Program depth = programOf("depth", 0);
+  Programs sum, resolve;
+
+  const SwarmsDrawn& swarms() { return world.singleton<const SwarmsDrawn>(); }
+  const GrainShape& shape(size_t part) {
+    return world.singleton<const SwarmStore>().shape(swarms().part(part).shape);
+  }
+  // Swarms that differ in more than colour sum that up too.
+  unsigned features(const Frame& frame) {
+    unsigned set = (frame.isRead(kGbufferMotion) ? kMotion : 0u) | (frame.isRead(kGbufferId) ? kIds : 0u);
+    for (size_t k = 1; k < swarms().size(); ++k)
+      if (shape(k).roughness != shape(0).roughness || shape(k).metallic != shape(0).metallic) set |= kSurfaces;
+    return set;
+  }
+  static gpu::Program& made(Programs& programs, const char* name, unsigned set) {
+    if (!programs[set]) programs[set] = programOf(name, set);
+    return *programs[set];
+  }
+  // The buffer of `words` a pixel, emptied and bound.
+  static void ready(gpu::Buffer& buffer, const char* label, size_t words, int binding, ivec2 size) {
+    gpu::reserve(buffer, label, 4 * words * static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+    buffer.fill(0);
+    buffer.bindStorage(static_cast<unsigned>(binding));
+  }
+  // Calls each(part) with its grains bound.
+  template <class Each>
+  void eachPart(const Each& each) {
+    const SwarmsDrawn& drawn = swarms();
+    for (size_t k = 0; k < drawn.size(); ++k) {
+      drawn.bind(k);
+      each(drawn.part(k));
+    }
+  }
+};
+
+void splatDepth(Points& points, ivec2 size) {
+  if (!points.depth.use()) return;
+  Points::ready(points.keys, kKeys, 1, rules::kPointKeysBinding, size);
+  points.eachPart([](const SwarmPart& part) { gpu::dispatchItems(part.runs, kGroup); });
+}
+
+void splatSums(Points& points, ivec2 size, unsigned features) {
+  features &= kIds | kSurfaces;
+  if (!Points::made(points.sum, "sum", features).use()) return;
+  Points::ready(points.sums, kSums, 4, rules::kPointSumsBinding, size);
+  if ((features & kIds) != 0) Points::ready(points.ids, "points.ids", 1, rules::kPointIdsBinding, size);
+  if ((features & kSurfaces) != 0)
+    Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size);
+  points.keys.bindStorage(rules::kPointKeysBinding);
+  points.eachPart([](const SwarmPart& part) { gpu::dispatchItems(part.runs, kGroup); });
+}
+
+void resolve(Points& points, unsigned features) {
+  gpu::Program& program = Points::made(points.resolve, "resolve", features);
+  if (!program.use()) return;
+  const GrainShape& shape = points.shape(0);
+  const Sun& sun = points.world.singleton<const Sun>();
+  program.set(kSurface, vec2(shape.roughness, shape.metallic));
+  program.set(kToSun, sun.present ? sun.to_sun : vec3(0));
+  program.set(kLeastArea, kLeastShare);
+  points.keys.bindStorage(rules::kPointKeysBinding);
+  points.sums.bindStorage(rules::kPointSumsBinding);
+  if ((features & kIds) != 0) points.ids.bindStorage(rules::kPointIdsBinding);
+  if ((features & kSurfaces) != 0) points.surfaces.bindStorage(rules::kPointSurfacesBinding);
+  gpu::apply({.cull = gpu::Cull::None});
+  gpu::drawFullScreen();
+}
+
+}  // namespace
+
+void addPoints(App& app) {
+  const auto points = std::make_shared<Points>(app);
+  const auto needs = [points] { return points->swarms().mayBe(rules::kPoint); };
+  constexpr const char* kNeeds = "a swarm that may be points";
+  app.frame().addExternal(kKeys);
+  app.frame().addExternal(kSums);
+
+  app.addPass({.name = "points.depth",
+               .stage = Stage::GeometryLate,
+               .needs_text = kNeeds,
+               .needs = needs,
+               .needs_content = {std::string(kSwarmRoutes)},
+               .uses = {{std::string(kSwarmRoutes), Access::StorageRead}, {kKeys, Access::StorageWrite}},
+               .run = [points](PassContext& context) { splatDepth(*points, context.input.size); }});
+  app.addPass({.name = "points.sum",
+               .stage = Stage::GeometryLate,
+               .needs_text = kNeeds,
+               .needs = needs,
+               .needs_content = {kKeys},
+               .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
+                        {kKeys, Access::StorageRead},
+                        {kSums, Access::StorageWrite}},
+               .run = [points](PassContext& context) {
+                 splatSums(*points, context.input.size, points->features(context.frame));
+               }});
+  app.addPass({.name = "points.resolve",
+               .stage = Stage::GeometryLate,
+               .needs_text = kNeeds,
+               .needs = needs,
+               .needs_content = {kSums},
+               .uses = gbufferUses({{kKeys, Access::StorageRead}, {kSums, Access::StorageRead}}),
+               .run = [points](PassContext& context) { resolve(*points, points->features(context.frame)); }});
+}
+
+}  // namespace scree

@@ -1,0 +1,16 @@
+// Grains smaller than a pixel: splatted by compute, the foremost by depth, then all that are not hidden behind it
+// summed up, so that a far heap neither shimmers nor darkens; then one pass writes the G-buffer.
+//
+// Equations: shaders/shared/points.h (a ball's phase function; sums in whole numbers, so that the picture does
+// not depend on the order of the grains). In: what modules/lod routed to points. Out: the G-buffer.
+// Cost: two visits of each point, and 20 bytes a pixel; see README.md.
+#pragma once
+
+namespace scree {
+
+class App;
+
+// Registers points.depth, points.sum and points.resolve (GeometryLate). Needs addLod.
+void addPoints(App& app);
+
+}  // namespace scree

@@ -1,0 +1,23 @@
+// Where a grain that is drawn as a point is seen, and the targets of points by pixel.
+#include "lib/swarm.glsl"
+#include "shared/points.h"
+
+layout(local_size_x = 64) in;
+
+struct Seen {
+  vec2 pixel_px;
+  float along;   // distance along the view axis, m; 0: not in the picture
+  float radius;  // m
+};
+
+Seen seenOf(SwarmRecord grain) {
+  Seen seen;
+  vec3 center = centerOf(grain);
+  vec4 clip = view.clip_from_relative * vec4(center, 1.0);
+  seen.pixel_px = (clip.xy / clip.w * 0.5 + 0.5) * view.size_px;
+  seen.radius = radiusOf(grain);
+  bool inside = clip.w > view.near_m && all(greaterThanEqual(seen.pixel_px, vec2(0.0))) &&
+                all(lessThan(seen.pixel_px, view.size_px));
+  seen.along = inside ? clip.w : 0.0;
+  return seen;
+}
