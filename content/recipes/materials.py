@@ -18,6 +18,10 @@ MATERIALS = {
     "terracotta": {"base": "stone", "normal": "stone_normal", "roughness": 0.8, "color": (0.62, 0.34, 0.26)},
     "granite": {"base": "stone", "normal": "stone_normal", "roughness": 0.7, "color": (0.46, 0.33, 0.33)},
     "bark": {"base": "stone", "normal": "stone_normal", "roughness": 0.95, "color": (0.42, 0.36, 0.32)},
+    "bean": {"color": (0.13, 0.052, 0.020), "roughness": 0.42},
+    "chaff": {"color": (0.42, 0.27, 0.14), "roughness": 0.8},
+    "pebble": {"base": "stone", "normal": "stone_normal", "roughness": 0.6, "color": (0.75, 0.8, 0.9)},
+    "steel": {"color": (0.53, 0.53, 0.55), "metallic": 1.0, "roughness": 0.45},
     "leaf": {"color": (0.085, 0.15, 0.035), "roughness": 0.6, "double_sided": True},
 }
 

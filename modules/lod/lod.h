@@ -31,7 +31,7 @@ struct MeshData;
 // ---- What a swarm is ---------------------------------------------------------------------------
 
 // How far from the mesh an impostor is, by its size on the screen.
-struct ImpostorError {
+struct SizeError {
   float size_px = 0;        // outer radius
   float silhouette_px = 0;  // how far outlines are off
   float ssim = 1;           // structural similarity to the supersampled mesh, at worst
@@ -50,7 +50,7 @@ struct GrainShape {
   std::vector<Level> levels;             // finest first; 1 to rules::kMeshLevels
   vec3 albedo{1};                        // mean over its surface, linear
   float roughness = 1, metallic = 0;     // likewise
-  std::vector<ImpostorError> impostor;   // by rising size; empty: it has none
+  std::vector<SizeError> impostor;   // by rising size; empty: it has none
 };
 
 // A grain as a program gives it.

@@ -33,7 +33,7 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings)
   }
   // One range of sizes: from the first measured size that is good enough to the last before one that is not.
   bool inside = false;
-  for (const ImpostorError& measured : shape.impostor) {
+  for (const SizeError& measured : shape.impostor) {
     const bool good = measured.silhouette_px <= tolerance && measured.ssim >= settings.least_ssim;
     if (good && !inside) {
       if (t.impostor_px > 0) break;

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "engine/app/app.h"
+#include "engine/assets/image_pixels.h"
 #include "engine/gpu/readback.h"
 #include "modules/deferred/deferred.h"
 #include "modules/scene/scene.h"
 #include "tests/support/gl_fixture.h"
-#include "tests/support/image_pixels.h"
 
 namespace scree::test {
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "engine/assets/image_flip.h"
+#include "engine/assets/image_metrics.h"
 #include "tests/image_gate/pictures.h"
-#include "tests/support/image_flip.h"
-#include "tests/support/image_metrics.h"
 
 namespace scree::images {
 namespace {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/assets/image_pixels.h"
 #include "engine/core/random.h"
-#include "tests/support/image_pixels.h"
 
 namespace scree::images {
 

@@ -107,7 +107,7 @@ TEST(Representation, ErrorIsWithinTheToleranceAtEverySize) {
     float error = 0;
     if (r == rules::kPoint) error = size;
     if (r == rules::kImpostor)
-      for (const ImpostorError& e : shape.impostor) {
+      for (const SizeError& e : shape.impostor) {
         error = e.silhouette_px;
         if (e.size_px >= size) break;
       }

@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/support/image_flip.h"
-#include "tests/support/image_metrics.h"
-#include "tests/support/image_pixels.h"
+#include "engine/assets/image_flip.h"
+#include "engine/assets/image_metrics.h"
+#include "engine/assets/image_pixels.h"
 
 namespace scree::images {
 

@@ -1,5 +1,5 @@
 // FLIP's colour and feature pipelines, section by section of the paper.
-#include "tests/support/image_flip.h"
+#include "engine/assets/image_flip.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-// The image that tests compare: display colours and, where there is one, an id for each pixel.
+// The image that comparisons take: display colours and, where there is one, an id for each pixel.
 #pragma once
 
 #include <cstdint>

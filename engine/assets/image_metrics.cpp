@@ -1,5 +1,5 @@
 // Differences, percentiles and structural similarity.
-#include "tests/support/image_metrics.h"
+#include "engine/assets/image_metrics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "tests/support/image_pixels.h"
+#include "engine/assets/image_pixels.h"
 
 namespace scree::images {
 

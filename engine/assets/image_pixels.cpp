@@ -1,5 +1,5 @@
-// Conversion, reading and writing of test images.
-#include "tests/support/image_pixels.h"
+// Conversion, reading and writing of images that are compared.
+#include "engine/assets/image_pixels.h"
 
 #include <fmt/format.h>
 

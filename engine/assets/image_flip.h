@@ -2,7 +2,7 @@
 // Akenine-Moeller, Oskarsson, Astroem and Fairchild 2020), for low-dynamic-range images.
 #pragma once
 
-#include "tests/support/image_metrics.h"
+#include "engine/assets/image_metrics.h"
 
 namespace scree::images {
 

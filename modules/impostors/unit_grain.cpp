@@ -1,0 +1,168 @@
+// Placing a grain's mesh in its own space, and its materials at a point.
+#include "modules/impostors/unit_grain.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace scree::impostors {
+namespace {
+
+// x^(1/5) of x in (0, 1] by Newton's steps from above: only exact operations, so the same bits
+// everywhere, which std::pow does not promise.
+double fifthRoot(double x) {
+  double y = 1;
+  for (int step = 0; step < 64; ++step) y -= (y - x / (y * y * y * y)) / 5;
+  return y;
+}
+// sRGB decoding (IEC 61966-2-1), by code.
+const std::array<float, 256>& linearFromCode() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> out{};
+    for (size_t code = 0; code < out.size(); ++code) {
+      const double x = static_cast<double>(code) / 255;
+      const double y = (x + 0.055) / 1.055;
+      out[code] = static_cast<float>(x <= 0.04045 ? x / 12.92 : y * y * fifthRoot(y * y));
+    }
+    return out;
+  }();
+  return table;
+}
+
+int wrapped(int x, int size, TextureWrap wrap) {
+  if (wrap == TextureWrap::ClampToEdge) return std::clamp(x, 0, size - 1);
+  const int period = wrap == TextureWrap::Repeat ? size : 2 * size;
+  x %= period;
+  if (x < 0) x += period;
+  return x < size ? x : period - 1 - x;
+}
+
+vec4 texel(const ImageData& image, int x, int y) {
+  const auto channels = static_cast<size_t>(image.channels);
+  const size_t at = (static_cast<size_t>(y) * static_cast<size_t>(image.width) + static_cast<size_t>(x)) * channels;
+  vec4 out(0, 0, 0, 1);
+  const bool grey = channels < 3;
+  for (size_t c = 0; c < 4; ++c) {
+    if (c == 3 && channels % 2 == 1) continue;
+    const size_t from = at + (c == 3 ? channels - 1 : grey ? 0 : c);
+    if (image.isFloat())
+      out[static_cast<int>(c)] = std::isfinite(image.floats[from]) ? image.floats[from] : 0;
+    else if (image.encoding == ColorEncoding::Srgb && c < 3)
+      out[static_cast<int>(c)] = linearFromCode()[image.bytes[from]];
+    else
+      out[static_cast<int>(c)] = static_cast<float>(image.bytes[from]) * (1.0f / 255.0f);
+  }
+  return out;
+}
+
+// Bilinear, at full resolution: the bake's samples are finer than a grain's images, or average them.
+vec4 sample(const ImageData& image, const TextureUse& use, vec2 uv) {
+  constexpr float kFar = 1e5f;  // times the largest image it still fits an int
+  const float x = std::clamp(uv.x, -kFar, kFar) * static_cast<float>(image.width) - 0.5f;
+  const float y = std::clamp(uv.y, -kFar, kFar) * static_cast<float>(image.height) - 0.5f;
+  const double fx = std::floor(x), fy = std::floor(y);
+  const auto column = [&](int k) { return wrapped(static_cast<int>(fx) + k, image.width, use.wrap_u); };
+  const auto row = [&](int k) { return wrapped(static_cast<int>(fy) + k, image.height, use.wrap_v); };
+  const float u = x - static_cast<float>(fx), v = y - static_cast<float>(fy);
+  const vec4 low = glm::mix(texel(image, column(0), row(0)), texel(image, column(1), row(0)), u);
+  const vec4 high = glm::mix(texel(image, column(0), row(1)), texel(image, column(1), row(1)), u);
+  return glm::mix(low, high, v);
+}
+
+vec4 mapped(const UnitGrain& grain, const TextureUse& use, vec2 uv, vec4 neutral) {
+  return use.image < 0 ? neutral : sample((*grain.images)[static_cast<size_t>(use.image)], use, uv);
+}
+
+struct Weights {
+  const Vertex &a, &b, &c;
+  float wa, wb, wc;
+  template <class T>
+  T of(T Vertex::* member) const {
+    return a.*member * wa + b.*member * wb + c.*member * wc;
+  }
+};
+Weights weightsOf(const UnitGrain& grain, const UnitTriangle& t, float b, float c) {
+  return {grain.vertices[t.v[0]], grain.vertices[t.v[1]], grain.vertices[t.v[2]], 1 - b - c, b, c};
+}
+
+vec3 unitOr(vec3 v, vec3 otherwise) {
+  const float length2 = glm::dot(v, v);
+  return length2 > 1e-12f && length2 < 1e12f ? v * (1.0f / std::sqrt(length2)) : otherwise;
+}
+
+}  // namespace
+
+Result<UnitGrain> unitGrain(const GrainMesh& grain) {
+  UnitGrain unit;
+  unit.materials = grain.materials;
+  unit.materials.push_back({.metallic = 0});
+  unit.images = &grain.images;
+  std::vector<dvec3> used;
+  for (const MeshData& part : grain.parts) {
+    const auto base = static_cast<uint32_t>(unit.vertices.size());
+    unit.vertices.insert(unit.vertices.end(), part.vertices.begin(), part.vertices.end());
+    const int material = part.material < 0 ? static_cast<int>(grain.materials.size()) : part.material;
+    const MaterialData& about = unit.materials[static_cast<size_t>(material)];
+    for (size_t i = 0; i + 2 < part.indices.size(); i += 3) {
+      UnitTriangle triangle{.material = material,
+                            .masked = about.alpha_mode != AlphaMode::Opaque,
+                            .double_sided = about.double_sided};
+      for (size_t k = 0; k < 3; ++k) {
+        triangle.v[k] = base + part.indices[i + k];
+        used.emplace_back(part.vertices[part.indices[i + k]].position);
+      }
+      unit.triangles.push_back(triangle);
+    }
+  }
+  const Sphere outer = enclosingSphere(used);
+  const double size = std::max({std::abs(outer.center.x), std::abs(outer.center.y), std::abs(outer.center.z)});
+  if (!(outer.radius > 1e-6 * size) || !(outer.radius > 1e-30) || !std::isfinite(outer.radius))
+    return Error{fmt::format("grain: its outer radius is {:g} around {:g} {:g} {:g}; it must have an extent",
+                             outer.radius, outer.center.x, outer.center.y, outer.center.z)};
+  unit.center = outer.center;
+  unit.outer = outer.radius;
+  for (Vertex& vertex : unit.vertices) {
+    unit.positions.push_back((dvec3(vertex.position) - outer.center) / outer.radius);
+    vertex.position = vec3(unit.positions.back());
+  }
+  for (const UnitTriangle& triangle : unit.triangles)
+    for (uint32_t v : triangle.v) unit.corners.push_back(unit.positions[v]);
+  unit.inner = innerRadius(unit.corners, dvec3(0));
+  return unit;
+}
+
+Surface surfaceAt(const UnitGrain& grain, const UnitTriangle& triangle, float b, float c, bool flipped) {
+  const Weights at = weightsOf(grain, triangle, b, c);
+  const MaterialData& material = grain.materials[static_cast<size_t>(triangle.material)];
+  const vec2 uv = at.of(&Vertex::uv);
+  Surface s;
+  s.albedo = vec3(material.base_color) * vec3(mapped(grain, material.base_color_map, uv, vec4(1)));
+  s.albedo = glm::clamp(s.albedo, 0.0f, 1.0f);
+  const vec4 metal_rough = mapped(grain, material.metallic_roughness_map, uv, vec4(1));
+  s.roughness = std::clamp(material.roughness * metal_rough.y, 0.0f, 1.0f);
+  s.metallic = std::clamp(material.metallic * metal_rough.z, 0.0f, 1.0f);
+  s.normal = unitOr(at.of(&Vertex::normal), at.a.normal);
+  if (material.normal_map.image >= 0) {
+    const vec4 code = mapped(grain, material.normal_map, uv, vec4(0.5f, 0.5f, 1, 1));
+    const vec2 slope = (vec2(code) * 2.0f - 1.0f) * material.normal_scale;
+    const vec4 tangent4 = at.of(&Vertex::tangent);
+    const vec3 tangent = unitOr(vec3(tangent4) - s.normal * glm::dot(s.normal, vec3(tangent4)), vec3(0));
+    const vec3 bitangent = glm::cross(s.normal, tangent) * (tangent4.w < 0 ? -1.0f : 1.0f);
+    s.normal = unitOr(tangent * slope.x + bitangent * slope.y + s.normal * (code.z * 2 - 1), s.normal);
+  }
+  if (flipped) s.normal = -s.normal;
+  return s;
+}
+
+bool opaqueAt(const UnitGrain& grain, const UnitTriangle& triangle, float b, float c) {
+  const MaterialData& material = grain.materials[static_cast<size_t>(triangle.material)];
+  const vec2 uv = weightsOf(grain, triangle, b, c).of(&Vertex::uv);
+  const float alpha = material.base_color.w * mapped(grain, material.base_color_map, uv, vec4(1)).w;
+  return alpha >= (material.alpha_mode == AlphaMode::Mask ? material.alpha_cutoff : 0.5f);
+}
+
+}  // namespace scree::impostors
