@@ -1,27 +1,82 @@
-// A file's impostor: from the cache, or baked.
+// A file's impostor, from the cache or baked; and the shape of grains that it makes.
 #include "modules/impostors/impostors.h"
 
+#include <fmt/format.h>
+
 #include "engine/core/log.h"
+#include "engine/ecs/world.h"
+#include "modules/lod/lod.h"
 
 namespace scree {
+
+namespace {
+
+Result<GrainMesh> grainOf(const std::filesystem::path& mesh) {
+  Result<SceneData> scene = loadGltf(mesh);
+  if (!scene.ok()) return scene.takeError();
+  return grainFromScene(std::move(scene).value());
+}
+
+Result<ImpostorAtlas> atlasOf(const GrainMesh& grain, const BakeParameters& parameters,
+                              const std::filesystem::path& cache, const BakeProgress& progress) {
+  std::error_code ignored;
+  if (std::filesystem::exists(cache, ignored)) {
+    Result<ImpostorAtlas> kept = readAtlas(cache);
+    if (kept.ok() && kept->key == bakeKey(grain, parameters)) return kept;
+    if (!kept.ok()) logWarning("{}; baking anew", kept.error());
+  }
+  Result<ImpostorAtlas> atlas = bake(grain, parameters, progress);
+  if (atlas.ok())
+    if (const Status written = writeAtlas(cache, *atlas); !written.ok()) logWarning("{}", written.error());
+  return atlas;
+}
+
+}  // namespace
 
 Result<ImpostorAtlas> impostorOf(const std::filesystem::path& mesh, const BakeParameters& parameters,
                                  const std::filesystem::path& cache, const BakeProgress& progress) {
   if (Status fine = checkParameters(parameters); !fine.ok()) return fine.takeError();
-  Result<SceneData> scene = loadGltf(mesh);
-  if (!scene.ok()) return scene.takeError();
-  Result<GrainMesh> grain = grainFromScene(std::move(scene).value());
+  Result<GrainMesh> grain = grainOf(mesh);
   if (!grain.ok()) return grain.takeError();
-  std::error_code ignored;
-  if (std::filesystem::exists(cache, ignored)) {
-    Result<ImpostorAtlas> kept = readAtlas(cache);
-    if (kept.ok() && kept->key == bakeKey(*grain, parameters)) return kept;
-    if (!kept.ok()) logWarning("{}; baking anew", kept.error());
+  return atlasOf(*grain, parameters, cache, progress);
+}
+
+Result<uint32_t> addGrainShape(World& world, std::string name, const GrainMesh& grain, ImpostorAtlas atlas) {
+  MaterialStore& materials = world.singleton<MaterialStore>();
+  GrainShape shape;
+  shape.name = std::move(name);
+  shape.center = atlas.center;
+  shape.outer_radius = atlas.outer;
+  shape.inner_radius = atlas.inner * atlas.outer;
+  std::vector<uint32_t> handles;
+  for (MaterialData data : grain.materials) {
+    for (TextureUse* use : {&data.base_color_map, &data.metallic_roughness_map, &data.normal_map, &data.emissive_map})
+      if (use->image >= 0) use->image = materials.addImage(grain.images[static_cast<size_t>(use->image)]);
+    handles.push_back(materials.add(std::move(data)));
   }
-  Result<ImpostorAtlas> atlas = bake(*grain, parameters, progress);
-  if (atlas.ok())
-    if (const Status written = writeAtlas(cache, *atlas); !written.ok()) logWarning("{}", written.error());
-  return atlas;
+  std::vector<MeshData> parts = grain.parts;
+  for (MeshData& part : parts)
+    if (part.material >= 0) part.material = static_cast<int>(handles[static_cast<size_t>(part.material)]);
+  if (Status added = addLevels(world.singleton<MeshStore>(), shape, parts); !added.ok()) return added.takeError();
+  setMeanLook(materials, shape, parts);
+  for (const float diameter : kImpostorSizesPx) {
+    const ImpostorError error = atlas.errors.at(ImpostorScheme::Proxy, diameter);
+    shape.impostor.push_back({0.5f * diameter, error.worst_silhouette_px, error.ssim});
+  }
+  if (atlas.errors.directions == 0) shape.impostor.clear();
+  const uint32_t handle = world.singleton<SwarmStore>().addShape(std::move(shape));
+  world.singleton<ImpostorStore>().set(handle, std::move(atlas));
+  return handle;
+}
+
+Result<uint32_t> loadGrainShape(World& world, const std::filesystem::path& mesh, const BakeParameters& parameters,
+                                const std::filesystem::path& cache, const BakeProgress& progress) {
+  if (Status fine = checkParameters(parameters); !fine.ok()) return fine.takeError();
+  Result<GrainMesh> grain = grainOf(mesh);
+  if (!grain.ok()) return grain.takeError();
+  Result<ImpostorAtlas> atlas = atlasOf(*grain, parameters, cache, progress);
+  if (!atlas.ok()) return atlas.takeError();
+  return addGrainShape(world, mesh.stem().string(), *grain, std::move(atlas).value());
 }
 
 }  // namespace scree

@@ -8,6 +8,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <memory>
 
 #include "modules/impostors/atlas.h"
 #include "modules/impostors/bake.h"
@@ -17,9 +19,45 @@
 
 namespace scree {
 
+class App;
+class World;
+
+// ---- Atlases ------------------------------------------------------------------------------------
+
 // The atlas of a glTF file: from `cache` if that holds what these parameters would make of the file as it
 // is now, else baked and written there. A cache that cannot be read or written costs one warning.
 Result<ImpostorAtlas> impostorOf(const std::filesystem::path& mesh, const BakeParameters& parameters,
                                  const std::filesystem::path& cache, const BakeProgress& progress = {});
+
+// ---- Drawing ------------------------------------------------------------------------------------
+
+// Atlases by the shapes (handles of modules/lod's SwarmStore) that they are of. World singleton.
+class ImpostorStore {
+ public:
+  ImpostorStore();
+  ~ImpostorStore();
+  ImpostorStore(ImpostorStore&&) noexcept;
+  ImpostorStore& operator=(ImpostorStore&&) noexcept;
+
+  void set(uint32_t shape, ImpostorAtlas atlas);
+  // Null: the shape has none.
+  const ImpostorAtlas* find(uint32_t shape) const;
+  // Binds the shape's textures and constants for shaders/impostors/atlas.glsl; uploads them at the first call.
+  void bind(uint32_t shape);
+
+ private:
+  struct Entry;
+  std::map<uint32_t, std::unique_ptr<Entry>> entries_;
+};
+
+// Makes a shape for swarms of a grain's mesh and its atlas: levels of the mesh, radii, the errors by which the
+// router decides. Refuses what addLevels() does.
+Result<uint32_t> addGrainShape(World& world, std::string name, const GrainMesh& grain, ImpostorAtlas atlas);
+// The same from a glTF file; the atlas is kept in `cache` (see impostorOf).
+Result<uint32_t> loadGrainShape(World& world, const std::filesystem::path& mesh, const BakeParameters& parameters,
+                                const std::filesystem::path& cache, const BakeProgress& progress = {});
+
+// Registers impostors.visible (Geometry), impostors.visible_late and impostors.resolve (GeometryLate). Needs addLod.
+void addImpostors(App& app);
 
 }  // namespace scree

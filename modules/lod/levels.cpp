@@ -1,4 +1,5 @@
 // The levels of a shape's mesh, by meshoptimizer.
+#include <fmt/format.h>
 #include <meshoptimizer.h>
 
 #include <glm/geometric.hpp>
@@ -34,8 +35,7 @@ MeshData compacted(const MeshData& mesh, std::vector<uint32_t> indices) {
   return level;
 }
 
-double distanceTo(const MeshData& mesh, dvec3 p) {
-  double least = 1e300;
+void leastDistance(const MeshData& mesh, dvec3 p, double& least) {
   for (size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
     const dvec3 a(mesh.vertices[mesh.indices[k]].position), b(mesh.vertices[mesh.indices[k + 1]].position),
         c(mesh.vertices[mesh.indices[k + 2]].position);
@@ -43,50 +43,71 @@ double distanceTo(const MeshData& mesh, dvec3 p) {
     const dvec3 off = p - nearestOnTriangle(p, a, b, c).point;
     least = std::min(least, glm::dot(off, off));
   }
+}
+double distanceTo(std::span<const MeshData> parts, dvec3 p) {
+  double least = 1e300;
+  for (const MeshData& part : parts) leastDistance(part, p, least);
   return std::sqrt(least);
+}
+size_t indexCount(std::span<const MeshData> parts) {
+  size_t count = 0;
+  for (const MeshData& part : parts) count += part.indices.size();
+  return count;
 }
 
 // Largest distance of one surface's corners and middles of triangles from the other, of some spread over it if
 // they are many.
-double farthest(const MeshData& from, const MeshData& to) {
+double farthest(std::span<const MeshData> from, std::span<const MeshData> to) {
   constexpr size_t kPoints = 1000;
-  const size_t stride = 3 * std::max<size_t>(1, 4 * from.indices.size() / 3 / kPoints);
+  const size_t stride = 3 * std::max<size_t>(1, 4 * indexCount(from) / 3 / kPoints);
   double most = 0;
-  for (size_t k = 0; k + 2 < from.indices.size(); k += stride) {
-    dvec3 sum(0);
-    for (size_t corner = 0; corner < 3; ++corner) {
-      const dvec3 p(from.vertices[from.indices[k + corner]].position);
-      sum += p;
-      most = std::max(most, distanceTo(to, p));
+  for (const MeshData& part : from)
+    for (size_t k = 0; k + 2 < part.indices.size(); k += stride) {
+      dvec3 sum(0);
+      for (size_t corner = 0; corner < 3; ++corner) {
+        const dvec3 p(part.vertices[part.indices[k + corner]].position);
+        sum += p;
+        most = std::max(most, distanceTo(to, p));
+      }
+      most = std::max(most, distanceTo(to, sum / 3.0));
     }
-    most = std::max(most, distanceTo(to, sum / 3.0));
-  }
   return most;
+}
+
+// About `share` of the part's triangles. From the finest level, so that errors do not add up; of whatever error:
+// the router knows it.
+MeshData simplified(const MeshData& part, double share, bool alone) {
+  const size_t target = static_cast<size_t>(static_cast<double>(part.indices.size() / 3) * share) * 3;
+  if (part.indices.empty() || share >= 1) return compacted(part, part.indices);
+  std::vector<uint32_t> fewer(part.indices.size());
+  fewer.resize(meshopt_simplify(fewer.data(), part.indices.data(), part.indices.size(),
+                                &part.vertices.front().position.x, part.vertices.size(), sizeof(Vertex), target, 1.0f,
+                                alone ? 0 : meshopt_SimplifyLockBorder, nullptr));
+  return compacted(part, std::move(fewer));
 }
 
 }  // namespace
 
-void addLevels(MeshStore& meshes, GrainShape& shape, const MeshData& mesh, uint32_t material) {
+Status addLevels(MeshStore& meshes, GrainShape& shape, std::span<const MeshData> parts) {
   shape.levels.clear();
-  const float* positions = &mesh.vertices.front().position.x;
-  std::vector<uint32_t> indices = mesh.indices;
-  while (true) {
-    MeshData level = compacted(mesh, indices);
-    level.material = static_cast<int>(material);
-    // The simplifier's own estimate is not a bound.
-    const double off = shape.levels.empty() ? 0 : std::max(farthest(mesh, level), farthest(level, mesh));
-    shape.levels.push_back({meshes.add(level), static_cast<float>(off) / shape.outer_radius});
-    if (shape.levels.size() == rules::kMeshLevels) return;
-    const size_t target = static_cast<size_t>(static_cast<float>(indices.size() / 3) * kShare) * 3;
-    if (target < 3 * kFewTriangles) return;
-    // From the finest, so that errors do not add up; of whatever error: the router knows it.
-    std::vector<uint32_t> fewer(mesh.indices.size());
-    fewer.resize(meshopt_simplify(fewer.data(), mesh.indices.data(), mesh.indices.size(), positions,
-                                  mesh.vertices.size(), sizeof(Vertex), target, 1.0f, 0, nullptr));
+  if (parts.size() > rules::kMeshParts)
+    return Error{fmt::format("shape \"{}\": {} parts of different materials; at most {} are allowed", shape.name,
+                             parts.size(), rules::kMeshParts)};
+  const size_t finest = indexCount(parts);
+  if (finest == 0) return Error{fmt::format("shape \"{}\": no triangle", shape.name)};
+  size_t before = 0;
+  for (double share = 1; shape.levels.size() < rules::kMeshLevels; share *= kShare) {
+    std::vector<MeshData> level;
+    for (const MeshData& part : parts) level.push_back(simplified(part, share, parts.size() == 1));
+    const size_t count = indexCount(level);
     // What cannot lose a third of its triangles is not worth another list.
-    if (fewer.empty() || 3 * fewer.size() > 2 * indices.size()) return;
-    indices = std::move(fewer);
+    if (before > 0 && (count < 3 * kFewTriangles || 3 * count > 2 * before)) break;
+    before = count;
+    // The simplifier's own estimate of the error is not a bound.
+    const double off = shape.levels.empty() ? 0 : std::max(farthest(parts, level), farthest(level, parts));
+    shape.levels.push_back({meshes.add(shape.name, level), static_cast<float>(off) / shape.outer_radius});
   }
+  return Done{};
 }
 
 }  // namespace scree

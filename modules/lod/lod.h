@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "engine/core/math.h"
+#include "engine/core/result.h"
 #include "engine/ecs/component.h"
 #include "engine/ecs/entity.h"
 #include "engine/ecs/world.h"
@@ -44,7 +45,7 @@ struct GrainShape {
   float outer_radius = 1;  // of the sphere around the whole mesh
   float inner_radius = 0;  // of that within it; both about `center`
   struct Level {
-    uint32_t mesh = 0;  // of the MeshStore; one part
+    uint32_t mesh = 0;  // of the MeshStore; up to rules::kMeshParts parts, the same materials in all levels
     float error = 0;    // largest distance to the finest level / outer radius
   };
   std::vector<Level> levels;             // finest first; 1 to rules::kMeshLevels
@@ -70,7 +71,8 @@ inline constexpr uint32_t kSwarmChunk = 1u << 22;  // 96 MiB: below the least st
 // Shapes and swarms. World singleton. Handles are never reused; an unknown one ends the program.
 class SwarmStore {
  public:
-  // Ends the program if the shape has no level, too many, or radii that are not positive.
+  // Ends the program if the shape has no level, too many, or radii that are not positive; its meshes must have
+  // been added to the MeshStore.
   uint32_t addShape(GrainShape shape);
   const GrainShape& shape(uint32_t handle) const;
   size_t shapeCount() const { return shapes_.size(); }
@@ -127,11 +129,13 @@ struct LodThresholds {
 };
 LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings);
 
-// The levels of a mesh, simplified, in the MeshStore, with `material` of the MaterialStore: each has about a third
-// of the triangles of the one before, as long as it can be simplified. Sets levels; outer_radius must be set.
-void addLevels(MeshStore& meshes, GrainShape& shape, const MeshData& mesh, uint32_t material);
+// The levels of a mesh, simplified, in the MeshStore; the parts' materials are handles of the MaterialStore
+// (negative: its default). Each level has about a third of the triangles of the one before, as long as it can be
+// simplified; the edges of several parts stay as they are. Sets levels; outer_radius must be set. Refuses more than
+// rules::kMeshParts parts, and a mesh without a triangle.
+Status addLevels(MeshStore& meshes, GrainShape& shape, std::span<const MeshData> parts);
 // Sets albedo, roughness and metallic to their means over the mesh.
-void setMeanLook(const MaterialStore& materials, GrainShape& shape, const MeshData& mesh, uint32_t material);
+void setMeanLook(const MaterialStore& materials, GrainShape& shape, std::span<const MeshData> parts);
 
 // ---- For modules that draw grains --------------------------------------------------------------
 

@@ -32,13 +32,14 @@ vec3 texelOf(const MaterialStore& materials, int image_index, vec2 uv, vec3 if_n
   return value;
 }
 
-}  // namespace
+struct Means {
+  dvec3 albedo{0};
+  double roughness = 0, metallic = 0, weight = 0;
+};
 
-void setMeanLook(const MaterialStore& materials, GrainShape& shape, const MeshData& mesh, uint32_t material_handle) {
-  const MaterialData& material = materials.material(material_handle);
+void addPart(const MaterialStore& materials, const MeshData& mesh, Means& means) {
   constexpr int kSteps = 4;  // samples along an edge of a triangle
-  dvec3 albedo(0), surface(0);
-  double weight = 0;
+  const MaterialData& material = materials.material(mesh.material < 0 ? 0u : static_cast<uint32_t>(mesh.material));
   for (size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
     const Vertex &a = mesh.vertices[mesh.indices[k]], &b = mesh.vertices[mesh.indices[k + 1]],
                  &c = mesh.vertices[mesh.indices[k + 2]];
@@ -47,20 +48,25 @@ void setMeanLook(const MaterialStore& materials, GrainShape& shape, const MeshDa
       for (int j = 0; j < kSteps - i; ++j) {
         const float u = (static_cast<float>(i) + 1.0f / 3) / kSteps, v = (static_cast<float>(j) + 1.0f / 3) / kSteps;
         const vec2 uv = a.uv + (b.uv - a.uv) * u + (c.uv - a.uv) * v;
-        albedo += area * dvec3(texelOf(materials, material.base_color_map.image, uv, vec3(1)));
-        surface += area * dvec3(texelOf(materials, material.metallic_roughness_map.image, uv, vec3(1)));
-        weight += area;
+        const vec3 surface = texelOf(materials, material.metallic_roughness_map.image, uv, vec3(1));
+        means.albedo += area * dvec3(vec3(material.base_color) *
+                                     texelOf(materials, material.base_color_map.image, uv, vec3(1)));
+        means.roughness += area * static_cast<double>(material.roughness * surface.y);
+        means.metallic += area * static_cast<double>(material.metallic * surface.z);
+        means.weight += area;
       }
   }
-  if (weight > 0) {
-    albedo /= weight;
-    surface /= weight;
-  } else {
-    albedo = surface = dvec3(1);
-  }
-  shape.albedo = vec3(material.base_color) * vec3(albedo);
-  shape.roughness = material.roughness * static_cast<float>(surface.y);
-  shape.metallic = material.metallic * static_cast<float>(surface.z);
+}
+
+}  // namespace
+
+void setMeanLook(const MaterialStore& materials, GrainShape& shape, std::span<const MeshData> parts) {
+  Means means;
+  for (const MeshData& part : parts) addPart(materials, part, means);
+  if (!(means.weight > 0)) return;
+  shape.albedo = vec3(means.albedo / means.weight);
+  shape.roughness = static_cast<float>(means.roughness / means.weight);
+  shape.metallic = static_cast<float>(means.metallic / means.weight);
 }
 
 }  // namespace scree

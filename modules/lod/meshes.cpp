@@ -47,17 +47,20 @@ void draw(SwarmsDrawn::State& state, MeshPrograms& programs, bool motion) {
   gpu::apply({});
   for (const Part& part : state.parts) {
     const GrainShape& shape = store.shape(part.shape);
-    const uint32_t material = meshes.mesh(shape.levels.front().mesh).parts.front().material;
-    const MaterialData& data = materials.material(material);
-    program.set(kBaseColor, data.base_color);
-    program.set(kRoughnessMetallic, vec2(data.roughness, data.metallic));
-    materials.bind(material);
     part.early.bindUniform(rules::kPassBinding);
     part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
     programs.array.vertexBuffer(kGrainSlot, part.chunk->list, sizeof(uint32_t), 0, 1);
-    gpu::drawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, part.chunk->commands,
-                              offsetof(rules::SwarmCommands, meshes), static_cast<int>(shape.levels.size()),
-                              sizeof(rules::DrawElementsCommand));
+    const std::vector<MeshPart>& mesh_parts = meshes.mesh(shape.levels.front().mesh).parts;
+    for (size_t k = 0; k < mesh_parts.size(); ++k) {
+      const MaterialData& material = materials.material(mesh_parts[k].material);
+      program.set(kBaseColor, material.base_color);
+      program.set(kRoughnessMetallic, vec2(material.roughness, material.metallic));
+      materials.bind(mesh_parts[k].material);
+      constexpr size_t kCommand = sizeof(rules::DrawElementsCommand);
+      gpu::drawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, part.chunk->commands,
+                                offsetof(rules::SwarmCommands, meshes) + k * kCommand,
+                                static_cast<int>(shape.levels.size()), static_cast<int>(rules::kMeshParts * kCommand));
+    }
   }
 }
 

@@ -17,8 +17,10 @@ uint32_t runsOf(uint32_t count) { return (count + rules::kRunGrains - 1) / rules
 rules::SwarmCommands commandsOf(const MeshStore& meshes, const GrainShape& shape) {
   rules::SwarmCommands commands{};
   for (size_t level = 0; level < shape.levels.size(); ++level) {
-    const MeshPart& part = meshes.mesh(shape.levels[level].mesh).parts.front();
-    commands.meshes[level] = {part.index_count, 0, part.first_index, part.base_vertex, 0};
+    const std::vector<MeshPart>& parts = meshes.mesh(shape.levels[level].mesh).parts;
+    for (size_t k = 0; k < parts.size(); ++k)
+      commands.meshes[level * rules::kMeshParts + k] = {parts[k].index_count, 0, parts[k].first_index,
+                                                        parts[k].base_vertex, 0};
   }
   return commands;
 }

@@ -38,10 +38,12 @@ void main() {
     DrawArraysCommand triangles = DrawArraysCommand(3u * sum, 1u, 3u * begin, 0u);
     if (representation == kOccluder) commands.occluders = triangles;
     if (representation == kImpostor) commands.impostors = triangles;
-    if (representation >= kMesh) {
-      commands.meshes[representation - kMesh].instances = sum;
-      commands.meshes[representation - kMesh].base_instance = begin;
-    }
+    if (representation >= kMesh)
+      for (uint part = 0u; part < kMeshParts; ++part) {
+        uint at = (representation - kMesh) * kMeshParts + part;
+        commands.meshes[at].instances = sum;
+        commands.meshes[at].base_instance = begin;
+      }
   }
   if (representation == 0u) commands.listed = end;
 }

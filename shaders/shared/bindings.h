@@ -43,6 +43,9 @@ const int kShadowMapUnit = 10;
 const int kRadianceUnit = 11;
 const int kPassTextureUnit = 12;   // whatever else one pass reads, from here up
 const int kLobeTableUnit = 12;     // shared/brdf.h, in deferred.light
+const int kImpostorShapeUnit = 13;   // shared/impostor.h: an atlas
+const int kImpostorColorUnit = 14;
+const int kImpostorNormalUnit = 15;
 
 // Vertex attributes of meshes (engine/assets/mesh_data.h); from kFirstFreeAttribute up: a module's own.
 const int kPositionAttribute = 0;

@@ -8,7 +8,7 @@
 #include "shared/view.h"
 RULES_BEGIN
 
-const float kCandidateCell = 0.3f;
+const float kCandidateCell = 1.0f;
 const uint kCandidateLevels = 7u;  // cells of 1 to 64 px
 RULE uint candidateLevel(float size_px) {
   uint level = 0u;

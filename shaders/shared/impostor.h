@@ -184,6 +184,14 @@ RULE vec3 impostorToProxy(ImpostorProxy proxy, vec3 v) {
   return vec3(proxy.diagonal.x * v.x + proxy.upper.x * v.y + proxy.upper.y * v.z,
               proxy.diagonal.y * v.y + proxy.upper.z * v.z, proxy.diagonal.z * v.z);
 }
+// std140: what programs know of an atlas.
+struct ImpostorBlock {
+  ImpostorProxy proxy;
+  int edge;                // n
+  int texels;              // p
+  float extent;            // impostorExtent(p)
+  float half_over_extent;  // 0.5 / extent
+};
 // Past the ellipsoid: the ray's point nearest to it in its own metric, so that nothing jumps.
 RULE vec3 impostorOnProxy(ImpostorRay ray, ImpostorProxy proxy) {
   vec3 center = vec3(proxy.center.x, proxy.center.y, proxy.center.z);

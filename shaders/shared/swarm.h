@@ -26,6 +26,7 @@ const uint kOccluder = 3u;  // an impostor that is drawn first, as it may well h
 const uint kMesh = 4u;      // level 0; the coarser ones follow
 const uint kMeshLevels = 4u;
 const uint kRepresentations = 8u;
+const uint kMeshParts = 4u;  // of a shape, each of another material
 
 // Grains that one invocation of the routing programs walks through, in order: what makes a list the
 // same in every run. Their representations are 4 bits each, eight a word.
@@ -74,7 +75,7 @@ struct SwarmCommands {
   uint count[8];
   DrawArraysCommand occluders;  // three vertices a grain: gl_VertexID / 3 is its place in the list
   DrawArraysCommand impostors;
-  DrawElementsCommand meshes[4];  // the base instance is the first one's place in the list
+  DrawElementsCommand meshes[16];  // by level, then part; the base instance is the first one's place in the list
   uint listed;                    // entries in the list so far
 };
 

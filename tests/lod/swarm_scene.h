@@ -22,7 +22,8 @@ struct SwarmScene : Studio {
     GrainShape shape;
     shape.name = "ball";
     shape.inner_radius = 0.99f;
-    addLevels(world.singleton<MeshStore>(), shape, sphereMesh(20, 40), 0);
+    const MeshData mesh = sphereMesh(20, 40);
+    EXPECT_TRUE(addLevels(world.singleton<MeshStore>(), shape, std::span(&mesh, 1)).ok());
     return shape;
   }
   uint32_t addShape() { return world.singleton<SwarmStore>().addShape(ballShape()); }

@@ -16,7 +16,8 @@ struct PointScene : SwarmScene {
   explicit PointScene(ivec2 output = {96, 64}) : SwarmScene(output) { addPoints(app); }
   uint32_t addBall() {
     GrainShape shape = ballShape();
-    setMeanLook(world.singleton<MaterialStore>(), shape, sphereMesh(8, 12), 0);
+    const MeshData mesh = sphereMesh(8, 12);
+    setMeanLook(world.singleton<MaterialStore>(), shape, std::span(&mesh, 1));
     return world.singleton<SwarmStore>().addShape(shape);
   }
 };

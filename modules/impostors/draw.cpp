@@ -1,0 +1,101 @@
+// impostors.visible, impostors.visible_late, impostors.resolve.
+#include <memory>
+
+#include "engine/app/app.h"
+#include "engine/gpu/draw.h"
+#include "engine/gpu/gl.h"
+#include "engine/gpu/program.h"
+#include "engine/gpu/state.h"
+#include "modules/deferred/deferred.h"
+#include "modules/impostors/impostors.h"
+#include "modules/lod/lod.h"
+
+namespace scree {
+namespace {
+
+// Number of the grain that a pixel shows, over all that is drawn, + 1.
+constexpr const char* kVisible = "impostors.visible";
+
+struct Impostors {
+  explicit Impostors(App& app) : world(app.world()) {}
+
+  World& world;
+  gpu::Program visible{{.name = "impostors.visible", .vertex = "impostors/visible.vert", .fragment = "impostors/visible.frag"}};
+  gpu::Program still = resolveProgram({}), moving = resolveProgram({"MOTION"});
+
+  static gpu::Program resolveProgram(std::vector<std::string> defines) {
+    return gpu::Program({.name = defines.empty() ? "impostors.resolve" : "impostors.resolve_motion",
+                         .vertex = "lib/full_screen.vert",
+                         .fragment = "impostors/resolve.frag",
+                         .defines = std::move(defines)});
+  }
+  const SwarmsDrawn& swarms() { return world.singleton<const SwarmsDrawn>(); }
+  // Calls each(part) with its grains and its shape's atlas bound.
+  template <class Each>
+  void eachPart(const Each& each) {
+    const SwarmsDrawn& drawn = swarms();
+    ImpostorStore& store = world.singleton<ImpostorStore>();
+    for (size_t k = 0; k < drawn.size(); ++k) {
+      const SwarmPart& part = drawn.part(k);
+      if (store.find(part.shape) == nullptr) continue;
+      drawn.bind(k);
+      store.bind(part.shape);
+      each(part);
+    }
+  }
+  void drawVisible(size_t command) {
+    if (!visible.use()) return;
+    gpu::apply({.cull = gpu::Cull::None});
+    eachPart([&](const SwarmPart& part) { gpu::drawArraysIndirect(GL_TRIANGLES, *part.commands, command); });
+  }
+  void resolve(PassContext& context) {
+    if (!(context.frame.isRead(kGbufferMotion) ? moving : still).use()) return;
+    context.frame.texture(kVisible).bind(rules::kPassTextureUnit);
+    // Behind what is nearer than the grain's surface it stays hidden, whatever was drawn since.
+    gpu::apply({.depth_func = gpu::Compare::GreaterEqual, .cull = gpu::Cull::None});
+    eachPart([](const SwarmPart&) { gpu::drawFullScreen(); });
+  }
+};
+
+}  // namespace
+
+void addImpostors(App& app) {
+  app.world().singleton<ImpostorStore>();
+  app.addTarget(kVisible, {.format = GL_R32UI});
+  const auto impostors = std::make_shared<Impostors>(app);
+  const auto needs = [impostors] { return impostors->swarms().mayBe(rules::kImpostor); };
+  constexpr const char* kNeeds = "a swarm that may be impostors";
+  const std::string depth(kGbufferDepth), lists(kSwarmLists), late_lists(kSwarmLateLists);
+
+  app.addPass({.name = "impostors.visible",
+               .stage = Stage::Geometry,
+               .needs_text = kNeeds,
+               .needs = needs,
+               .needs_content = {lists},
+               .uses = {{kVisible, Access::Color}, {depth, Access::Depth}, {lists, Access::Indirect}, {lists, Access::StorageRead}},
+               .run = [impostors](PassContext& context) {
+                 context.framebuffer->clearColor(0, uvec4(0));
+                 impostors->drawVisible(offsetof(rules::SwarmCommands, occluders));
+               }});
+  app.addPass({.name = "impostors.visible_late",
+               .stage = Stage::GeometryLate,
+               .needs_text = kNeeds,
+               .needs = needs,
+               .needs_content = {late_lists, kVisible},
+               .uses = {{kVisible, Access::Color},
+                        {depth, Access::Depth},
+                        {late_lists, Access::Indirect},
+                        {late_lists, Access::StorageRead}},
+               .run = [impostors](PassContext&) {
+                 impostors->drawVisible(offsetof(rules::SwarmCommands, impostors));
+               }});
+  app.addPass({.name = "impostors.resolve",
+               .stage = Stage::GeometryLate,
+               .needs_text = kNeeds,
+               .needs = needs,
+               .needs_content = {kVisible},
+               .uses = gbufferUses({{kVisible, Access::Sampled}}),
+               .run = [impostors](PassContext& context) { impostors->resolve(context); }});
+}
+
+}  // namespace scree

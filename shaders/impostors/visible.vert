@@ -1,0 +1,43 @@
+// The triangle around the silhouette disc of each listed grain's outer sphere, and which views it shows.
+#define SWARM_LISTED
+#include "lib/swarm.glsl"
+#include "impostors/atlas.glsl"
+#include "shared/sphere.h"
+
+out vec2 on_disc;
+out vec3 point;        // on the disc, grain's space
+flat out vec3 eye;     // grain's space
+flat out vec3 weight;
+flat out uvec3 layer;
+flat out vec3 right[3], up[3];  // a point's place in the views' images, from their middle
+flat out float level;
+flat out uint number;  // over all that is drawn, + 1
+
+void main() {
+  uint grain = list[gl_VertexID / 3];
+  on_disc = discCorner(uint(gl_VertexID % 3));
+  SwarmRecord record = records[grain];
+  vec3 center = centerOf(record);
+  float radius = radiusOf(record);
+  vec4 rotation = unpackRotation(record.rotation);
+  SphereDisc disc = sphereDisc(center, radius);
+  vec3 relative = disc.center + disc.radius * (disc.axis_u * on_disc.x + disc.axis_v * on_disc.y);
+  gl_Position = view.clip_from_relative * vec4(relative, 1.0);
+  // The eye is in the grain.
+  if (disc.radius == 0.0) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+
+  float scale = 1.0 / radius;
+  point = toGrain(rotation, relative - center) * scale;
+  eye = toGrain(rotation, -center) * scale;
+  ImpostorViews views = impostorViews(eye, atlas.edge);
+  weight = views.weight;
+  layer = uvec3(views.layer0, views.layer1, views.layer2);
+  vec3 axis[3] = vec3[3](views.axis0, views.axis1, views.axis2);
+  for (int k = 0; k < 3; ++k) {
+    ImpostorBasis basis = impostorBasis(axis[k]);
+    right[k] = basis.right * atlas.half_over_extent;
+    up[k] = basis.up * atlas.half_over_extent;
+  }
+  level = float(impostorLevel(atlas.texels, 2.0 * sizePx(radius, length(center), view.pixels_at_1m)));
+  number = swarm.first + grain + 1u;
+}
