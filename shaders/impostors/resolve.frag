@@ -27,7 +27,8 @@ void main() {
   local.direction = toGrain(rotation, ray * sqrt(inverse));
   vec3 seen = impostorOnProxy(local, atlas.proxy);
   ImpostorViews views = impostorViews(toGrain(rotation, -center), atlas.edge);
-  float level = float(impostorLevel(atlas.texels, 2.0 * sizePx(radius, length(center), view.pixels_at_1m)));
+  int nearest_level = impostorLevel(atlas.texels, 2.0 * sizePx(radius, length(center), view.pixels_at_1m));
+  float level = float(nearest_level), shape_level = float(impostorShapeLevel(nearest_level));
 
   uvec3 layer = uvec3(views.layer0, views.layer1, views.layer2);
   vec3 axis[3] = vec3[3](views.axis0, views.axis1, views.axis2);
@@ -35,7 +36,7 @@ void main() {
   float sum = 0.0, step = 0.0;
   for (int k = 0; k < 3; ++k) {
     vec3 at = vec3(impostorUv(seen, axis[k], atlas.extent), float(layer[k]));
-    vec2 shape = textureLod(atlas_shape, at, level).rg;
+    vec2 shape = textureLod(atlas_shape, at, shape_level).rg;
     float w = max(views.weight[k] * shape.r, 1e-6);
     color += w * textureLod(atlas_color, at, level);
     vec4 n = textureLod(atlas_normal, at, level);

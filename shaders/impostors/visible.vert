@@ -38,6 +38,6 @@ void main() {
     right[k] = basis.right * atlas.half_over_extent;
     up[k] = basis.up * atlas.half_over_extent;
   }
-  level = float(impostorLevel(atlas.texels, 2.0 * sizePx(radius, length(center), view.pixels_at_1m)));
+  level = float(impostorShapeLevel(impostorLevel(atlas.texels, 2.0 * sizePx(radius, length(center), view.pixels_at_1m))));
   number = swarm.first + grain + 1u;
 }
