@@ -21,11 +21,12 @@ struct Impostors {
 
   World& world;
   gpu::Program visible{{.name = "impostors.visible", .vertex = "impostors/visible.vert", .fragment = "impostors/visible.frag"}};
+  MarkedTiles tiles{"impostors.tiles"};
   gpu::Program still = resolveProgram({}), moving = resolveProgram({"MOTION"});
 
   static gpu::Program resolveProgram(std::vector<std::string> defines) {
     return gpu::Program({.name = defines.empty() ? "impostors.resolve" : "impostors.resolve_motion",
-                         .vertex = "lib/full_screen.vert",
+                         .vertex = "lib/tiles.vert",
                          .fragment = "impostors/resolve.frag",
                          .defines = std::move(defines)});
   }
@@ -45,6 +46,7 @@ struct Impostors {
   }
   void drawVisible(size_t command) {
     if (!visible.use()) return;
+    tiles.bind();
     gpu::apply({.cull = gpu::Cull::None});
     eachPart([&](const SwarmPart& part) { gpu::drawArraysIndirect(GL_TRIANGLES, *part.commands, command); });
   }
@@ -53,7 +55,7 @@ struct Impostors {
     context.frame.texture(kVisible).bind(rules::kPassTextureUnit);
     // Behind what is nearer than the grain's surface it stays hidden, whatever was drawn since.
     gpu::apply({.depth_func = gpu::Compare::GreaterEqual, .cull = gpu::Cull::None});
-    eachPart([](const SwarmPart&) { gpu::drawFullScreen(); });
+    eachPart([this](const SwarmPart&) { tiles.draw(); });
   }
 };
 
@@ -75,6 +77,7 @@ void addImpostors(App& app) {
                .uses = {{kVisible, Access::Color}, {depth, Access::Depth}, {lists, Access::Indirect}, {lists, Access::StorageRead}},
                .run = [impostors](PassContext& context) {
                  context.framebuffer->clearColor(0, uvec4(0));
+                 impostors->tiles.clear(context.input.size);
                  impostors->drawVisible(offsetof(rules::SwarmCommands, occluders));
                }});
   app.addPass({.name = "impostors.visible_late",

@@ -21,6 +21,7 @@
 #include "engine/ecs/component.h"
 #include "engine/ecs/entity.h"
 #include "engine/ecs/world.h"
+#include "engine/gpu/objects.h"
 #include "modules/scene/scene.h"
 #include "shaders/shared/swarm.h"
 
@@ -164,6 +165,22 @@ class SwarmsDrawn {
 
   struct State;
   std::shared_ptr<State> state;
+};
+
+// Tiles of the picture that programs mark with lib/mark_tiles.glsl, and that lib/tiles.vert draws: shared/tiles.h.
+class MarkedTiles {
+ public:
+  explicit MarkedTiles(std::string label) : label_(std::move(label)) {}
+  // None is marked, of a picture of this size; bound for what marks them.
+  void clear(ivec2 size_px);
+  void bind() const;
+  // Binds them and draws the marked ones, with the program in use.
+  void draw() const;
+
+ private:
+  std::string label_;
+  gpu::Buffer marked_;
+  int count_ = 0;
 };
 
 // Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.meshes (Geometry), lod.list_late

@@ -28,7 +28,7 @@ enum Feature : unsigned { kMotion = 1, kIds = 2, kSurfaces = 4, kFeatureSets = 8
 gpu::Program programOf(const std::string& name, unsigned features) {
   gpu::ProgramDesc desc{.name = "points." + name};
   if (name == "resolve") {
-    desc.vertex = "lib/full_screen.vert";
+    desc.vertex = "lib/tiles.vert";
     desc.fragment = "points/resolve.frag";
   } else {
     desc.compute = "points/" + name + ".comp";
@@ -51,6 +51,7 @@ struct Points {
 
   World& world;
   gpu::Buffer keys, sums, ids, surfaces;  // by pixel
+  MarkedTiles tiles{"points.tiles"};
   gpu::Program depth = programOf("depth", 0);
   Programs sum, resolve;
 
@@ -89,6 +90,7 @@ struct Points {
 void splatDepth(Points& points, ivec2 size) {
   if (!points.depth.use()) return;
   Points::ready(points.keys, kKeys, 1, rules::kPointKeysBinding, size);
+  points.tiles.clear(size);
   points.eachPart([](const SwarmPart& part) { gpu::dispatchItems(part.runs, kGroup); });
 }
 
@@ -116,7 +118,7 @@ void resolve(Points& points, unsigned features) {
   if ((features & kIds) != 0) points.ids.bindStorage(rules::kPointIdsBinding);
   if ((features & kSurfaces) != 0) points.surfaces.bindStorage(rules::kPointSurfacesBinding);
   gpu::apply({.cull = gpu::Cull::None});
-  gpu::drawFullScreen();
+  points.tiles.draw();
 }
 
 }  // namespace

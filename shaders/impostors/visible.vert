@@ -1,5 +1,6 @@
 // The triangle around the silhouette disc of each listed grain's outer sphere, and which views it shows.
 #define SWARM_LISTED
+#include "lib/mark_tiles.glsl"
 #include "lib/swarm.glsl"
 #include "impostors/atlas.glsl"
 #include "shared/sphere.h"
@@ -13,6 +14,21 @@ flat out vec3 right[3], up[3];  // a point's place in the views' images, from th
 flat out float level;
 flat out uint number;  // over all that is drawn, + 1
 
+// Pixels around which the box around the sphere may show.
+void markSphere(vec3 center, float radius) {
+  vec3 clip = (view.clip_from_relative * vec4(center, 1.0)).xyw;
+  vec2 half_size = view.size_px * 0.5, reach = radius * vec2(1.0 / view.tan_half_fov_x, 1.0 / view.tan_half_fov_y);
+  vec2 low = clip.xy - reach, high = clip.xy + reach;
+  float nearest = clip.z - radius, farthest = clip.z + radius;
+  if (nearest < view.near_m) {
+    markTiles(ivec2(0), ivec2(view.size_px));
+    return;
+  }
+  low /= mix(vec2(nearest), vec2(farthest), greaterThan(low, vec2(0.0)));
+  high /= mix(vec2(farthest), vec2(nearest), greaterThan(high, vec2(0.0)));
+  markTiles(ivec2((max(low, -1.0) + 1.0) * half_size) - 1, ivec2((min(high, 1.0) + 1.0) * half_size) + 1);
+}
+
 void main() {
   uint grain = list[gl_VertexID / 3];
   on_disc = discCorner(uint(gl_VertexID % 3));
@@ -23,6 +39,7 @@ void main() {
   SphereDisc disc = sphereDisc(center, radius);
   vec3 relative = disc.center + disc.radius * (disc.axis_u * on_disc.x + disc.axis_v * on_disc.y);
   gl_Position = view.clip_from_relative * vec4(relative, 1.0);
+  if (gl_VertexID % 3 == 0) markSphere(center, radius);
   // The eye is in the grain.
   if (disc.radius == 0.0) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 

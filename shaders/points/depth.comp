@@ -1,4 +1,5 @@
 // The foremost of the points in each pixel.
+#include "lib/mark_tiles.glsl"
 #include "points/splat.glsl"
 
 layout(std430, binding = kPointKeysBinding) buffer Keys { uint keys[]; };
@@ -15,7 +16,10 @@ void main() {
       if (seen.along == 0.0) continue;
       uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
       uint key = pointKey(seen.along);
-      if (keys[at] < key) atomicMax(keys[at], key);
+      if (keys[at] >= key) continue;
+      // The first of a pixel: points add to the pixels around theirs, too.
+      if (keys[at] == 0u) markTiles(ivec2(seen.pixel_px) - 1, ivec2(seen.pixel_px) + 1);
+      atomicMax(keys[at], key);
     }
   }
 }

@@ -27,6 +27,7 @@ const int kPointKeysBinding = 10;            // shared/points.h, by pixel
 const int kPointSumsBinding = 11;
 const int kPointIdsBinding = 12;
 const int kPointSurfacesBinding = 13;
+const int kTilesBinding = 14;                // shared/tiles.h
 
 // Texture units. One kind of sampler a unit, never mixed within a program.
 const int kBaseColorUnit = 0;
