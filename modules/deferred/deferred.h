@@ -73,6 +73,7 @@ gpu::DrawState shadowDrawState();
 // World singleton; of the current frame from the pass deferred.shadow on.
 struct ShadowView {
   rules::ShadowViewBlock block{};
+  uint64_t version = 0;  // goes up when the map's place in the world or its resolution changes
 };
 
 // World singleton.

@@ -52,6 +52,8 @@ ShadowFit fit(DeferredState& state, int output_height) {
                 world.singleton<const Sun>().to_sun, shadowMapSide(settings, output_height),
                 settings.max_distance_m);
   ShadowView& view = world.singleton<ShadowView>();
+  if (view.version == 0 || !(fit == state.shadow_fit)) ++view.version;
+  state.shadow_fit = fit;
   view.block = shadowViewBlock(fit, camera);
   state.blocks.write(view.block).bindUniform(rules::kShadowViewBinding);
   return fit;

@@ -10,6 +10,7 @@
 #include "modules/deferred/deferred.h"
 #include "modules/deferred/material_block.h"
 #include "modules/deferred/mesh_batches.h"
+#include "modules/deferred/shadow_fit.h"
 
 namespace scree {
 
@@ -29,6 +30,7 @@ struct DeferredState {
   rules::LightingBlock lighting{};
   // As of Phase::Prepare.
   ShadowSettings shadow_settings;
+  ShadowFit shadow_fit;  // of the last frame with shadows
   float exposure = 1;
   std::vector<Entity> warned_lights;  // that were complained about; at most kMostLightWarnings
 };

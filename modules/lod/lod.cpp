@@ -35,6 +35,7 @@ void addLod(App& app) {
 
   app.addPass(lod::classifyPass(state));
   app.addPass(lod::listPass(state));
+  app.addPass(lod::shadowPass(state));
   app.addPass(lod::meshPass(state));
   app.addPass(lod::lateListPass(state));
 }

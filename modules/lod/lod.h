@@ -52,6 +52,7 @@ struct GrainShape {
   std::vector<Level> levels;             // finest first; 1 to rules::kMeshLevels
   vec3 albedo{1};                        // mean over its surface, linear
   float roughness = 1, metallic = 0;     // likewise
+  float cast_share = 1;                  // radius of a ball with the mean shadow of the mesh / outer radius
   std::vector<SizeError> impostor;   // by rising size; empty: it has none
 };
 
@@ -105,7 +106,8 @@ class SwarmStore {
   std::vector<Stored> swarms_;
 };
 
-// Draws a swarm of the SwarmStore; its origin is at the entity's Transform, of which only the position counts.
+// Draws a swarm of the SwarmStore; its origin is at the entity's Transform, of which only the position counts. With
+// CastsShadow beside it, the grains cast shadows.
 struct Swarm {
   uint32_t swarm = 0;
 };
@@ -123,7 +125,7 @@ struct LodSettings {
 };
 
 // Sizes (outer radii in pixels) at which one representation follows the other. A point is off by about its
-// radius; a mesh level by its error; an impostor by what was measured.
+// radius, and shows on few pixels; a mesh level by its error; an impostor by what was measured.
 struct LodThresholds {
   float point_px = 0, impostor_from_px = 0, impostor_px = 0;
   float mesh_px[rules::kMeshLevels] = {};
@@ -135,7 +137,8 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings)
 // simplified; the edges of several parts stay as they are. Sets levels; outer_radius must be set. Refuses more than
 // rules::kMeshParts parts, and a mesh without a triangle.
 Status addLevels(MeshStore& meshes, GrainShape& shape, std::span<const MeshData> parts);
-// Sets albedo, roughness and metallic to their means over the mesh.
+// Sets albedo, roughness and metallic to their means over the mesh, and cast_share: the mean shadow of a convex
+// body is a quarter of its surface (Cauchy).
 void setMeanLook(const MaterialStore& materials, GrainShape& shape, std::span<const MeshData> parts);
 
 // ---- For modules that draw grains --------------------------------------------------------------
@@ -183,7 +186,7 @@ class MarkedTiles {
   int count_ = 0;
 };
 
-// Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.meshes (Geometry), lod.list_late
+// Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.shadow, lod.meshes (Geometry), lod.list_late
 // (RouteLate). Needs addScene, addDeferred.
 void addLod(App& app);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/assets/gltf.h"
 #include "engine/assets/mesh_data.h"
@@ -32,18 +33,20 @@ vec3 texelOf(const MaterialStore& materials, int image_index, vec2 uv, vec3 if_n
   return value;
 }
 
+constexpr int kSteps = 4;  // samples along an edge of a triangle
+constexpr int kSamples = kSteps * (kSteps + 1) / 2;
+
 struct Means {
   dvec3 albedo{0};
   double roughness = 0, metallic = 0, weight = 0;
 };
 
 void addPart(const MaterialStore& materials, const MeshData& mesh, Means& means) {
-  constexpr int kSteps = 4;  // samples along an edge of a triangle
   const MaterialData& material = materials.material(mesh.material < 0 ? 0u : static_cast<uint32_t>(mesh.material));
   for (size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
     const Vertex &a = mesh.vertices[mesh.indices[k]], &b = mesh.vertices[mesh.indices[k + 1]],
                  &c = mesh.vertices[mesh.indices[k + 2]];
-    const double area = static_cast<double>(glm::length(glm::cross(b.position - a.position, c.position - a.position)));
+    const double area = 0.5 * static_cast<double>(glm::length(glm::cross(b.position - a.position, c.position - a.position)));
     for (int i = 0; i < kSteps; ++i)
       for (int j = 0; j < kSteps - i; ++j) {
         const float u = (static_cast<float>(i) + 1.0f / 3) / kSteps, v = (static_cast<float>(j) + 1.0f / 3) / kSteps;
@@ -67,6 +70,9 @@ void setMeanLook(const MaterialStore& materials, GrainShape& shape, std::span<co
   shape.albedo = vec3(means.albedo / means.weight);
   shape.roughness = static_cast<float>(means.roughness / means.weight);
   shape.metallic = static_cast<float>(means.metallic / means.weight);
+  const double surface = means.weight / kSamples;  // of a ball: 4 pi radius^2
+  shape.cast_share =
+      std::min(1.0f, static_cast<float>(std::sqrt(surface / (4 * std::numbers::pi))) / shape.outer_radius);
 }
 
 }  // namespace scree

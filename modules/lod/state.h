@@ -31,6 +31,17 @@ struct Part : SwarmPart {
   const Chunk* chunk = nullptr;
   gpu::StreamSlice early, late;  // SwarmBlock, of the lists that are made before and after the depth pyramid
   LodThresholds thresholds;
+  bool casts = false;  // shadows
+  float cast_share = 1;  // of a ball with the shape's mean shadow, radius / outer radius
+  float largest_radius = 0;  // m
+};
+
+// What a swarm's shadow depends on.
+struct CasterSeen {
+  uint32_t swarm = 0;
+  uint64_t version = 0;
+  dvec3 origin{0};
+  bool operator==(const CasterSeen&) const = default;
 };
 
 }  // namespace scree::lod
@@ -45,6 +56,9 @@ struct SwarmsDrawn::State {
   std::vector<lod::Resident> resident;  // by swarm, as far as it was drawn
   std::vector<lod::Part> parts;         // of this frame
   uint64_t grain_count = 0;
+  bool casts = false;  // some part
+  uint64_t casters_version = 0;  // goes up when what casts, or where it is, changes
+  std::vector<lod::CasterSeen> casters_seen, casters_now;
   uint32_t possible = 0;  // a bit for each representation that some part may have
   gpu::StreamBuffer blocks{"lod.blocks", 16 * 1024};
   gpu::Buffer candidates;
@@ -62,5 +76,6 @@ PassDesc classifyPass(const SharedState& state);
 PassDesc listPass(const SharedState& state);
 PassDesc lateListPass(const SharedState& state);
 PassDesc meshPass(const SharedState& state);
+PassDesc shadowPass(const SharedState& state);
 
 }  // namespace scree::lod

@@ -4,6 +4,12 @@
 #include "modules/lod/lod.h"
 
 namespace scree {
+namespace {
+
+// A point shows on 2 x 2 pixels at most.
+constexpr float kMostPointPx = 0.75f;
+
+}  // namespace
 
 LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings) {
   const float kEver = 2 * rules::kLargestPx;
@@ -26,7 +32,7 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings)
     return t;
   }
   const bool only_impostors = settings.only == rules::kImpostor || settings.only == rules::kOccluder;
-  if (!only_impostors) t.point_px = tolerance;
+  if (!only_impostors) t.point_px = std::min(tolerance, kMostPointPx);
   if (only_impostors && !shape.impostor.empty()) {
     t.impostor_px = kEver;
     return t;

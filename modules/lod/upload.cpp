@@ -1,6 +1,8 @@
 // lod.upload: brings swarms that changed to the GPU, and each frame the blocks of constants.
 #include <algorithm>
 
+#include <glm/geometric.hpp>
+
 #include "engine/app/app.h"
 #include "modules/deferred/deferred.h"
 #include "modules/lod/state.h"
@@ -68,6 +70,7 @@ struct Placed {
   const Resident* resident;
   const Transform* transform;
   Entity entity;
+  bool casts;
 };
 
 uint32_t possibleOf(const LodThresholds& t, size_t levels) {
@@ -94,7 +97,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.previous_origin =
       vec4(vec3(origin - view.previous_position), shape.inner_radius / shape.outer_radius);
   block.center_scale = vec4(shape.center, 1 / shape.outer_radius);
-  block.albedo = vec4(shape.albedo, 1);
+  block.albedo = vec4(shape.albedo, shape.cast_share);
   block.roughness = shape.roughness;
   block.metallic = shape.metallic;
   const LodThresholds t = thresholdsOf(shape, settings);
@@ -118,6 +121,9 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     part.commands = &chunk.commands;
     part.chunk = &chunk;
     part.thresholds = t;
+    part.casts = placed.casts;
+    part.cast_share = shape.cast_share;
+    part.largest_radius = stored.largest_radius;
     constexpr uint32_t kMeshes = (1u << rules::kRepresentations) - (1u << rules::kMesh);
     block.listed = kMeshes | 1u << rules::kOccluder;
     part.early = state.blocks.write(block);
@@ -129,6 +135,19 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   }
 }
 
+// Tells the shadow map's fit where the swarm is, and notes what its shadow depends on.
+void addCaster(SwarmsDrawn::State& state, const Placed& placed, std::vector<CasterSeen>& seen) {
+  if (!placed.casts) return;
+  const SwarmStore::Stored& stored = state.world.singleton<const SwarmStore>().swarm(placed.resident->swarm);
+  if (stored.count == 0) return;
+  const dvec3 origin = placed.transform->position;
+  const vec3 half = 0.5f * (stored.max - stored.min);
+  state.world.singleton<ShadowCasters>().spheres.push_back(
+      {origin + dvec3(0.5f * (stored.min + stored.max)), glm::length(half) + stored.largest_radius});
+  seen.push_back({placed.resident->swarm, stored.version, origin});
+  state.casts = true;
+}
+
 void upload(SwarmsDrawn::State& state) {
   World& world = state.world;
   const View& view = world.singleton<const View>();
@@ -138,6 +157,9 @@ void upload(SwarmsDrawn::State& state) {
   state.parts.clear();
   state.grain_count = 0;
   state.possible = 0;
+  state.casts = false;
+  std::vector<CasterSeen>& seen = state.casters_now;
+  seen.clear();
   state.blocks.beginFrame();
   state.resident.resize(store.swarmCount());
   state.swarms.each([&](Entity entity, const Swarm& swarm, const Transform& transform) {
@@ -145,8 +167,14 @@ void upload(SwarmsDrawn::State& state) {
     Resident& resident = state.resident[swarm.swarm];
     resident.swarm = swarm.swarm;
     makeResident(resident, store, meshes);
-    addParts(state, {&resident, &transform, entity}, view, settings);
+    const Placed placed{&resident, &transform, entity, world.has<CastsShadow>(entity)};
+    addParts(state, placed, view, settings);
+    addCaster(state, placed, seen);
   });
+  if (seen != state.casters_seen) {
+    std::swap(seen, state.casters_seen);
+    ++state.casters_version;
+  }
   reserveCandidates(state.candidates, world.singleton<const FrameInput>().size);
 }
 

@@ -45,7 +45,7 @@ void main() {
 #ifdef IDS
       if (pointKey(seen.along) == keys[at]) atomicMax(ids[at], idOf(grain + k));
 #endif
-      float radius_px = seen.radius / pixel_m;
+      float radius_px = seen.radius * swarm.albedo.a / pixel_m;
       vec2 corner = seen.pixel_px - 0.5;
       ivec2 base = ivec2(floor(corner));
       vec4 shares = pointShares(corner - vec2(base)) * (3.14159265 * radius_px * radius_px);

@@ -28,6 +28,8 @@ const int kPointSumsBinding = 11;
 const int kPointIdsBinding = 12;
 const int kPointSurfacesBinding = 13;
 const int kTilesBinding = 14;                // shared/tiles.h
+const int kSunCellsBinding = 10;             // in programs that draw no points: grains by cell of the
+const int kSunDepthBinding = 11;             // sun's map, and its depth
 
 // Texture units. One kind of sampler a unit, never mixed within a program.
 const int kBaseColorUnit = 0;

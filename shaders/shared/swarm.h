@@ -40,7 +40,7 @@ struct SwarmBlock {
   vec4 origin;           // xyz: swarm's origin - camera, m; w: its largest grain's outer radius, m
   vec4 previous_origin;  // xyz: the same one frame ago; w: inner radius / outer radius
   vec4 center_scale;     // xyz: centre of the shape's spheres, in its mesh; w: 1 / its outer radius
-  vec4 albedo;           // rgb: mean over the shape; a unused
+  vec4 albedo;           // rgb: mean over the shape; a: radius of a ball with its mean shadow / outer radius
   vec4 mesh_px;          // level k >= 1 of the mesh is drawn below mesh_px[k]; [0] unused
   float point_px;        // below this a grain is a point
   float impostor_px;     // below this, and from impostor_from_px on, an impostor
