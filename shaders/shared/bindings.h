@@ -49,6 +49,10 @@ const int kLobeTableUnit = 12;     // shared/brdf.h, in deferred.light
 const int kImpostorShapeUnit = 13;   // shared/impostor.h: an atlas
 const int kImpostorColorUnit = 14;
 const int kImpostorNormalUnit = 15;
+const int kPyramidUnit = 15;       // lib/occlusion.glsl; the last that every stage has
+
+// Image units.
+const int kPyramidImage = 0;       // and the two above: three levels of the depth pyramid
 
 // Vertex attributes of meshes (engine/assets/mesh_data.h); from kFirstFreeAttribute up: a module's own.
 const int kPositionAttribute = 0;
