@@ -17,6 +17,7 @@ void SwarmsDrawn::bind(size_t index) const {
   part.late.bindUniform(rules::kPassBinding);
   part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
   part.chunk->representations.bindStorage(rules::kSwarmRepresentationsBinding);
+  part.chunk->seen.bindStorage(rules::kSwarmSeenBinding);
   part.chunk->list.bindStorage(rules::kSwarmListBinding);
   part.chunk->commands.bindStorage(rules::kSwarmCommandsBinding);
 }

@@ -187,7 +187,7 @@ class MarkedTiles {
 };
 
 // Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.shadow, lod.meshes (Geometry), lod.list_late
-// (RouteLate). Needs addScene, addDeferred.
+// (RouteLate). Needs addScene, addDeferred, addOcclusion.
 void addLod(App& app);
 
 }  // namespace scree

@@ -3,6 +3,7 @@
 #include "engine/gpu/gl.h"
 #include "engine/gpu/program.h"
 #include "modules/lod/state.h"
+#include "modules/occlusion/occlusion.h"
 
 namespace scree::lod {
 namespace {
@@ -22,6 +23,7 @@ void bindPart(const Part& part, const gpu::StreamSlice& block) {
   block.bindUniform(rules::kPassBinding);
   part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
   part.chunk->representations.bindStorage(rules::kSwarmRepresentationsBinding);
+  part.chunk->seen.bindStorage(rules::kSwarmSeenBinding);
   part.chunk->counts.bindStorage(rules::kSwarmCountsBinding);
   part.chunk->prefix.bindStorage(rules::kSwarmPrefixBinding);
   part.chunk->list.bindStorage(rules::kSwarmListBinding);
@@ -77,7 +79,7 @@ PassDesc classifyPass(const SharedState& state) {
 
 PassDesc listPass(const SharedState& state) {
   const auto programs =
-      std::make_shared<ListPrograms>(program("lod.count", {"OCCLUDERS"}), program("lod.commands", {"FIRST"}));
+      std::make_shared<ListPrograms>(program("lod.count"), program("lod.commands", {"FIRST"}));
   return {.name = "lod.list",
           .stage = Stage::Route,
           .needs_text = "a swarm",
@@ -91,16 +93,18 @@ PassDesc listPass(const SharedState& state) {
 }
 
 PassDesc lateListPass(const SharedState& state) {
-  const auto programs = std::make_shared<ListPrograms>(program("lod.count"), program("lod.commands"));
+  const auto programs = std::make_shared<ListPrograms>(program("lod.count", {"LATE"}), program("lod.commands"));
   return {.name = "lod.list_late",
           .stage = Stage::RouteLate,
           .needs_text = "a swarm with impostors",
           .needs = [state] { return (state->possible >> rules::kImpostor & 1) != 0; },
           .needs_content = {std::string(kSwarmLists)},
-          .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
+          .uses = {{std::string(kSwarmRoutes), Access::StorageWrite},
                    {std::string(kSwarmLists), Access::StorageRead},
+                   {std::string(kOcclusionPyramid), Access::Sampled},
                    {std::string(kSwarmLateLists), Access::StorageWrite}},
-          .run = [state, programs](PassContext&) {
+          .run = [state, programs](PassContext& context) {
+            bindPyramid(state->world, context);
             for (const Part& part : state->parts) programs->run(part, part.late);
           }};
 }

@@ -15,7 +15,7 @@ namespace scree::lod {
 
 // The grains of one buffer, on the GPU.
 struct Chunk {
-  gpu::Buffer records, representations, counts, prefix, list, commands;
+  gpu::Buffer records, representations, seen, counts, prefix, list, commands;
   uint32_t count = 0;
 };
 
@@ -62,7 +62,10 @@ struct SwarmsDrawn::State {
   uint32_t possible = 0;  // a bit for each representation that some part may have
   gpu::StreamBuffer blocks{"lod.blocks", 16 * 1024};
   gpu::Buffer candidates;
-  dvec3 previous_camera{0};
+  bool drew = false;  // in the last frame, from here:
+  dvec3 last_camera{0};
+  quat last_rotation{1, 0, 0, 0};
+  uint64_t last_frame = 0;
 };
 
 }  // namespace scree

@@ -11,7 +11,7 @@
 namespace scree::lod {
 namespace {
 
-static_assert(sizeof(rules::SwarmRecord) == 24 && sizeof(rules::SwarmBlock) == 128);
+static_assert(sizeof(rules::SwarmRecord) == 24 && sizeof(rules::SwarmBlock) == 144);
 
 uint32_t runsOf(uint32_t count) { return (count + rules::kRunGrains - 1) / rules::kRunGrains; }
 
@@ -34,6 +34,8 @@ Chunk chunkOf(std::span<const rules::SwarmRecord> records, const rules::SwarmCom
   chunk.records = gpu::Buffer("lod.records", records);
   chunk.representations = gpu::Buffer("lod.representations", 4 * rules::kRunWords * runs);
   chunk.representations.fill(0);
+  chunk.seen = gpu::Buffer("lod.seen", 4 * rules::kRunSeenWords * runs);
+  chunk.seen.fill(0);
   chunk.counts = gpu::Buffer("lod.counts", 8 * runs);
   chunk.prefix = gpu::Buffer("lod.prefix", 4 * rules::kRepresentations * (runs + blocks));
   chunk.list = gpu::Buffer("lod.list", 4 * size_t{chunk.count});
@@ -87,6 +89,16 @@ uint32_t possibleOf(const LodThresholds& t, size_t levels) {
   return possible;
 }
 
+// Whether most of what the last frame showed of a ball of grains shows in this one: the camera has neither gone
+// far, as seen from there, nor turned much.
+bool knowsWhatWasSeen(const SwarmsDrawn::State& state, const View& view, const vec3& center, float extent) {
+  if (!state.drew || state.world.singleton<const FrameInput>().frame > state.last_frame + 1) return false;
+  const float away = std::max(glm::length(center) - extent, 0.1f * extent);
+  const double moved = glm::length(view.position - state.last_camera);
+  const float turned = 1 - std::abs(glm::dot(view.rotation, state.last_rotation));
+  return moved < 0.1 * static_cast<double>(away) && turned < 0.004f;
+}
+
 void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view, const LodSettings& settings) {
   const SwarmStore& store = state.world.singleton<const SwarmStore>();
   const SwarmStore::Stored& stored = store.swarm(placed.resident->swarm);
@@ -100,6 +112,9 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.albedo = vec4(shape.albedo, shape.cast_share);
   block.roughness = shape.roughness;
   block.metallic = shape.metallic;
+  const vec3 middle = vec3(block.origin) + 0.5f * (stored.min + stored.max);
+  const bool knows = knowsWhatWasSeen(state, view, middle, 0.5f * glm::length(stored.max - stored.min));
+  block.candidate_cell = knows ? rules::kCandidateCellLater : rules::kCandidateCell;
   const LodThresholds t = thresholdsOf(shape, settings);
   block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
   block.point_px = t.point_px;
@@ -171,6 +186,10 @@ void upload(SwarmsDrawn::State& state) {
     addParts(state, placed, view, settings);
     addCaster(state, placed, seen);
   });
+  state.drew = !state.parts.empty();
+  state.last_camera = view.position;
+  state.last_rotation = view.rotation;
+  state.last_frame = world.singleton<const FrameInput>().frame;
   if (seen != state.casters_seen) {
     std::swap(seen, state.casters_seen);
     ++state.casters_version;

@@ -1,18 +1,21 @@
 // The map of occluder candidates: which grains are drawn first, as they may well hide others.
 //
-// It has several resolutions; a grain is entered in that whose cells are about kCandidateCell of its size,
-// so that a few fit in each grain (Michel and Boubekeur 2020, section 8: points of 0.15 to 0.2 inner radii).
-// The nearest in a cell is a candidate.
+// It has several resolutions; a grain is entered in that whose cells are about so many of its sizes as wanted.
+// The nearest in a cell is a candidate (Michel and Boubekeur 2020, section 8: points of 0.15 to 0.2 inner radii).
+// What was seen in the last frame is a better guess, where there was one: then cells may be large, for what has
+// come into view since.
 #pragma once
 #include "shared/prelude.h"
 #include "shared/view.h"
 RULES_BEGIN
 
-const float kCandidateCell = 1.0f;
+// In sizes of a grain; measured, see modules/lod/README.md.
+const float kCandidateCell = 1.0f;       // if nothing is known
+const float kCandidateCellLater = 4.0f;  // after a frame
 const uint kCandidateLevels = 7u;  // cells of 1 to 64 px
-RULE uint candidateLevel(float size_px) {
+RULE uint candidateLevel(float size_px, float cell_sizes) {
   uint level = 0u;
-  float cell = size_px * kCandidateCell;
+  float cell = size_px * cell_sizes;
   while (level + 1u < kCandidateLevels && cell >= 2.0f) {
     cell *= 0.5f;
     ++level;
@@ -33,8 +36,8 @@ RULE uint candidateBegin(ivec2 size_px, uint level) {
   return begin;
 }
 // The cell of a point in pixels; beyond the picture's edge that at the edge.
-RULE uint candidateCell(vec2 pixel_px, float size_px, ivec2 picture_px) {
-  uint level = candidateLevel(size_px);
+RULE uint candidateCell(vec2 pixel_px, float size_px, float cell_sizes, ivec2 picture_px) {
+  uint level = candidateLevel(size_px, cell_sizes);
   ivec2 cells = candidateSize(picture_px, level);
   vec2 p = clamp(pixel_px, vec2(0.0f, 0.0f), vec2(picture_px) - 0.5f);
   ivec2 cell = ivec2(int(p.x) >> int(level), int(p.y) >> int(level));

@@ -32,6 +32,8 @@ const uint kMeshParts = 4u;  // of a shape, each of another material
 // same in every run. Their representations are 4 bits each, eight a word.
 const uint kRunGrains = 64u;
 const uint kRunWords = 8u;  // of a run's representations
+// Words of bits, one a grain, that say which a pixel showed in the last frame.
+const uint kRunSeenWords = 2u;
 // Runs that share a prefix of their counts.
 const uint kBlockRuns = 64u;
 
@@ -54,6 +56,10 @@ struct SwarmBlock {
   uint listed;           // a bit for each representation that is listed now
   float roughness;       // mean over the shape
   float metallic;
+  float candidate_cell;  // cells of the candidate map, in sizes of a grain
+  uint pad0;
+  uint pad1;
+  uint pad2;
 };
 
 // std430: where the lists of the representations are, and what draws them.

@@ -42,7 +42,7 @@ Expected expectedRoutes(SwarmScene& scene, std::span<const rules::SwarmRecord> r
       if (std::abs(size - t) < 1e-5f * size) expected.doubtful[k] = true;
     expected.route[k] = outside ? rules::kNotDrawn : rules::representationOf(size, rules::kNotDrawn, block);
     if (expected.route[k] != rules::kImpostor) continue;
-    cell[k] = rules::candidateCell(rules::pixelOf(view, center), size, scene.size);
+    cell[k] = rules::candidateCell(rules::pixelOf(view, center), size, block.candidate_cell, scene.size);
     key[k] = rules::candidateKey(distance);
     nearest[cell[k]] = std::max(nearest[cell[k]], key[k]);
   }
@@ -53,7 +53,7 @@ Expected expectedRoutes(SwarmScene& scene, std::span<const rules::SwarmRecord> r
     const float size = rules::sizePx(rules::radiusOf(records[k].size, block.origin.w), glm::length(center), view.pixels_at_1m);
     for (const vec2 d : {vec2(1e-3f, 0), vec2(-1e-3f, 0), vec2(0, 1e-3f), vec2(0, -1e-3f)})
       for (const float s : {0.99999f, 1.00001f})
-        if (rules::candidateCell(pixel + d, size * s, scene.size) != cell[k]) expected.doubtful[k] = true;
+        if (rules::candidateCell(pixel + d, size * s, block.candidate_cell, scene.size) != cell[k]) expected.doubtful[k] = true;
     if (nearest[cell[k]] - key[k] <= 4 && nearest[cell[k]] != key[k]) expected.doubtful[k] = true;
     if (nearest[cell[k]] == key[k]) expected.route[k] = rules::kOccluder;
   }
@@ -76,7 +76,9 @@ void expectRoutes(SwarmScene& scene, uint32_t swarm, const char* what) {
     ++of[route];
     lists[route].push_back(k);
     doubtful += expected.doubtful[k];
-    wrong += route != expected.route[k] && !expected.doubtful[k];
+    // Behind the depth pyramid: tests/occlusion and the pictures below say whether rightly so.
+    const bool hidden = route == rules::kNotDrawn && expected.route[k] == rules::kImpostor;
+    wrong += route != expected.route[k] && !hidden && !expected.doubtful[k];
   }
   std::printf("%s: none %zu, points %zu, impostors %zu, occluders %zu, meshes %zu %zu %zu %zu; %zu doubtful\n", what, of[0],
               of[1], of[2], of[3], of[4], of[5], of[6], of[7], doubtful);

@@ -6,6 +6,7 @@
 
 #include "engine/core/random.h"
 #include "modules/lod/lod.h"
+#include "modules/occlusion/occlusion.h"
 #include "shaders/shared/candidate.h"
 #include "tests/deferred/studio.h"
 
@@ -13,6 +14,7 @@ namespace scree::test {
 
 struct SwarmScene : Studio {
   explicit SwarmScene(ivec2 output = {320, 240}) : Studio(output) {
+    addOcclusion(app);
     addLod(app);
     app.frame().keep(kSwarmLateLists, true);
   }
