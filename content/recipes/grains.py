@@ -21,7 +21,7 @@ def bean():
         bend = 0.06 * math.sin(2.2 * s)  # the groove is an S
         ring = [(s * length, u * height * round_off, v * width * round_off + (bend * round_off if abs(v) < 0.2 else 0.0))
                 for v, u in section]
-        ring.append((s * length, 0.16 * height * round_off, bend * round_off))
+        ring.append((s * length, -0.14 * height * round_off, bend * round_off))
         rings.append(ring[::-1])
     whole = shapes.loft(rings, crease_deg=70.0).require_closed("bean")
     # The faces at the groove's bottom show the pale skin that is left there.

@@ -115,8 +115,9 @@ Result<ImpostorAtlas> bake(const GrainMesh& mesh, const BakeParameters& paramete
                       .texels = parameters.texels,
                       .key = bakeKey(mesh, parameters),
                       .center = vec3(unit->center),
-                      .outer = static_cast<float>(unit->outer),
-                      .inner = static_cast<float>(unit->inner),
+                      // Rounding keeps the mesh inside the one and outside the other.
+                      .outer = static_cast<float>(unit->outer * (1 + 1e-6)),
+                      .inner = static_cast<float>(unit->inner * (1 - 4e-6)),
                       .proxy = proxyOf(unit->corners, 0.5 * (1 + unit->inner))};
   const uint64_t texels = atlas.texelCount();
   atlas.shape.resize(texels * 2);

@@ -27,7 +27,9 @@ class Look {
       axis_[k] = axes[k];
       weight_[k] = views.weight[k];
     }
-    level_ = std::min(rules::impostorLevel(atlas.texels, scene.diameter_px), atlas.levels() - 1);
+    const int last = atlas.levels() - 1;
+    shape_level_ = std::min(rules::impostorLevel(atlas.texels, scene.diameter_px, rules::kImpostorShapeBias), last);
+    color_level_ = std::min(rules::impostorLevel(atlas.texels, scene.diameter_px, rules::kImpostorColorBias), last);
     radius_ = 0.5f * (1 + atlas.inner);
   }
 
@@ -44,11 +46,11 @@ class Look {
       if (scheme_ == ImpostorScheme::Planar) point = rules::impostorOnPlane(ray, axis_[k]);
       if (scheme_ == ImpostorScheme::Mixed) point = rules::impostorMixed(ray, axis_[k], radius_);
       if (scheme_ == ImpostorScheme::Parallax) {
-        const vec2 first = sampleShape(atlas_, level_, layer_[k], rules::impostorUv(point, axis_[k], extent_));
+        const vec2 first = sampleShape(atlas_, shape_level_, layer_[k], rules::impostorUv(point, axis_[k], extent_));
         point = rules::impostorStep(ray, point, axis_[k], rules::impostorHeightFromCode(first.y));
       }
       uv_[k] = rules::impostorUv(point, axis_[k], extent_);
-      share_[k] = weight_[k] * sampleShape(atlas_, level_, layer_[k], uv_[k]).x;
+      share_[k] = weight_[k] * sampleShape(atlas_, shape_level_, layer_[k], uv_[k]).x;
       sum += share_[k];
     }
     return sum;
@@ -60,8 +62,8 @@ class Look {
     float sum = 0;
     for (int k = 0; k < 3; ++k) {
       if (!(share_[k] > 0)) continue;
-      const vec4 color = sampleColor(atlas_, level_, layer_[k], uv_[k]);
-      const vec4 normal = sampleNormal(atlas_, level_, layer_[k], uv_[k]);
+      const vec4 color = sampleColor(atlas_, color_level_, layer_[k], uv_[k]);
+      const vec4 normal = sampleNormal(atlas_, color_level_, layer_[k], uv_[k]);
       sum += share_[k];
       s.albedo += rules::albedoFromCode(vec3(color)) * share_[k];
       s.metallic += color.w * share_[k];
@@ -83,7 +85,7 @@ class Look {
   Scene scene_;
   float extent_;
   float radius_ = 1;
-  int level_ = 0;
+  int shape_level_ = 0, color_level_ = 0;
   int layer_[3];
   vec3 axis_[3];
   float weight_[3], share_[3];

@@ -111,6 +111,33 @@ double innerRadius(const Corners& corners, const dvec3& center) {
   return inside && std::isfinite(nearest) ? nearest : 0;
 }
 
+Sphere roomySphere(std::span<const dvec3> points, const Corners& corners) {
+  const Sphere least = enclosingSphere(points);
+  const auto outerAt = [&](const dvec3& center) {
+    double far2 = 0;
+    for (const dvec3& p : points) far2 = std::max(far2, dot(p - center, p - center));
+    return std::sqrt(far2);
+  };
+  Sphere best = least;
+  double share = innerRadius(corners, best.center) / least.radius;
+  for (double step = 0.25 * least.radius; step > 1e-3 * least.radius;) {
+    bool better = false;
+    for (int k = 0; k < 6; ++k) {
+      Sphere next = best;
+      next.center[k / 2] += k % 2 == 0 ? step : -step;
+      next.radius = outerAt(next.center);
+      if (!(next.radius <= kMostGrowth * least.radius)) continue;
+      const double next_share = innerRadius(corners, next.center) / next.radius;
+      if (!(next_share > share + 1e-6)) continue;
+      best = next;
+      share = next_share;
+      better = true;
+    }
+    if (!better) step *= 0.5;
+  }
+  return best;
+}
+
 rules::ImpostorProxy proxyOf(const Corners& corners, double fallback_radius) {
   const auto sphere = [&] {
     const auto scale = static_cast<float>(1 / fallback_radius);

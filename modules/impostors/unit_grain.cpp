@@ -118,7 +118,7 @@ Result<UnitGrain> unitGrain(const GrainMesh& grain) {
       unit.triangles.push_back(triangle);
     }
   }
-  const Sphere outer = enclosingSphere(used);
+  const Sphere outer = roomySphere(used, used);
   const double size = std::max({std::abs(outer.center.x), std::abs(outer.center.y), std::abs(outer.center.z)});
   if (!(outer.radius > 1e-6 * size) || !(outer.radius > 1e-30) || !std::isfinite(outer.radius))
     return Error{fmt::format("grain: its outer radius is {:g} around {:g} {:g} {:g}; it must have an extent",

@@ -16,8 +16,9 @@ RULES_BEGIN
 const int kImpostorMinEdge = 2;
 const int kImpostorMaxEdge = 33;
 
-// Added to the mip level; measured, see modules/impostors/README.md.
-const float kImpostorLevelBias = 0.0f;
+// Added to the mip level of shape, and of color and normal: measured, see modules/impostors/README.md.
+const float kImpostorShapeBias = -1.0f;
+const float kImpostorColorBias = -0.5f;
 
 RULE int impostorViewCount(int n) { return 4 * (n - 1) * (n - 1) + 2; }
 
@@ -137,9 +138,9 @@ RULE vec2 impostorUv(vec3 point, vec3 axis, float extent) {
   return vec2(dot(point, basis.right), dot(point, basis.up)) * (0.5f / extent) + vec2(0.5f, 0.5f);
 }
 
-// Mip level for a grain drawn with a diameter of so many pixels: the nearest one, sharper or softer.
-RULE int impostorLevel(int p, float diameter_px) {
-  return int(max(log2(float(p - 2) / max(diameter_px, 1.0f)) + kImpostorLevelBias, 0.0f) + 0.5f);
+// Mip level for a grain drawn with a diameter of so many pixels: the nearest one, after the bias.
+RULE int impostorLevel(int p, float diameter_px, float bias) {
+  return int(max(log2(float(p - 2) / max(diameter_px, 1.0f)) + bias, 0.0f) + 0.5f);
 }
 
 // The level whose coverage tells what one sample of a pixel hits: of texels so much smaller than a pixel that
