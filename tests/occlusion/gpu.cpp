@@ -168,8 +168,7 @@ TEST_F(OcclusionGpu, RulesAreThoseOfTheCpu) {
   constexpr int kCount = 4096;
   ShaderFolder shaders;
   std::filesystem::create_directory_symlink(shaderRoot() / "shared", shaders.path() / "shared");
-  shaders.write("rules.comp", R"(// Of this test.
-#include "shared/occlusion.h"
+  shaders.write("rules.comp", "// Of this test.\n#include \"shared/occlusion.h\"\n" R"(
 layout(local_size_x = 64) in;
 layout(location = 0) uniform mat4 clip_from_relative;
 layout(location = 1) uniform vec2 size_px;

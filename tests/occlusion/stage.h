@@ -1,6 +1,8 @@
 // A scene of discs for the GPU tests of occlusion: some are drawn first, the rest may be culled.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -118,13 +120,12 @@ struct Discs {
   void writeSources() {
     for (const char* folder : {"shared", "lib"})
       std::filesystem::create_directory_symlink(shaderRoot() / folder, shaders.path() / folder);
+    const auto include = [](const char* file) { return fmt::format("#include \"{}\"\n", file); };
     const std::string head =
         "// Of this test.\n"
         "layout(std430, binding = 4) readonly buffer Spheres { vec4 spheres[]; };\n"
         "layout(location = 3) uniform vec3 origin;\n";
-    shaders.write("test/discs.vert", head + R"(
-#include "shared/sphere.h"
-#include "shared/view.h"
+    shaders.write("test/discs.vert", head + include("shared/sphere.h") + include("shared/view.h") + R"(
 layout(std430, binding = 5) readonly buffer Flags { uint flags[]; };
 layout(location = 0) uniform int first;
 layout(location = 1) uniform int drop_hidden;
@@ -152,8 +153,7 @@ void main() {
   if (dot(on_disc, on_disc) > 1.0) discard;
   id = index + 1u;
 })");
-    shaders.write("test/cull.comp", head + R"(
-#include "lib/occlusion.glsl"
+    shaders.write("test/cull.comp", head + include("lib/occlusion.glsl") + R"(
 layout(local_size_x = 64) in;
 layout(std430, binding = 5) buffer Flags { uint flags[]; };
 layout(location = 0) uniform int test;

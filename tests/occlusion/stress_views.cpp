@@ -2,10 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 
-#include "engine/core/log.h"
 #include "tests/occlusion/stage.h"
 
 namespace scree::test {
@@ -80,8 +78,8 @@ TEST_F(OcclusionStress, IdsAreTheSameInThousandsOfViews) {
           case 3:  // a sphere touches the near plane, give or take rounding
             discs.look(at - way * (radius + (double)near * (1 + 1e-7 * (double)random.between(-2, 2))), way, fov, near);
             break;
-          case 4:  // from afar, through a narrow lens
-            discs.look(-way * (double)extent * std::exp((double)random.between(2, 9)), way, 0, near);
+          case 4:  // from afar, through a narrow lens: positions are rounded to pixels and to radii
+            discs.look(-way * (double)extent * std::exp((double)random.between(2, 14)), way, 0, near);
             discs.world.find<Camera>(discs.camera)->fov_y_rad =
                 2 * extent / static_cast<float>(glm::length(discs.world.peek<Transform>(discs.camera)->position));
             break;

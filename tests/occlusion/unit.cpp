@@ -162,6 +162,20 @@ TEST(SphereBoundsRule, NearPlaneAndEyeAreNeverHidden) {
   }
 }
 
+// Where the rasteriser's own errors are not bounded well, nothing is said.
+TEST(SphereBoundsRule, ClosestAndMostSlantedDiscsAreNeverHidden) {
+  const View view = viewOf({0, 0, 0}, {0, 0, -1}, {320, 200}, 2.8f, 1e-4f);
+  const ViewBlock& block = view.block;
+  const OcclusionView v = occlusionView(block.clip_from_relative, block.size_px, block.near_m);
+  EXPECT_FALSE(sphereBounds(v, {0, 0, -1.003f}, 1, 0, true).known);
+  EXPECT_FALSE(sphereBounds(v, {0, 0, -1.003f}, 1, 0, false).known);
+  EXPECT_TRUE(sphereBounds(v, {0, 0, -1.005f}, 1, 0, true).known);
+  // The corners of the triangle around this one are behind the eye, though the disc is not.
+  EXPECT_FALSE(sphereBounds(v, {3, 0, -1.2f}, 1, 0, true).known);
+  EXPECT_TRUE(sphereBounds(v, {3, 0, -1.2f}, 1, 0, false).known);
+  EXPECT_TRUE(sphereBounds(v, {3, 0, -1.2f}, 0.2f, 0, true).known);
+}
+
 TEST(SphereBoundsRule, NonsenseIsNeverHidden) {
   const View view = viewOf({0, 0, 0}, {0, 0, -1}, {320, 200}, 0.9f, 0.1f);
   const ViewBlock& block = view.block;
