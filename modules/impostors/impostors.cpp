@@ -61,7 +61,8 @@ Result<uint32_t> addGrainShape(World& world, std::string name, const GrainMesh& 
   setMeanLook(materials, shape, parts);
   for (const float diameter : kImpostorSizesPx) {
     const ImpostorError error = atlas.errors.at(ImpostorScheme::Proxy, diameter);
-    shape.impostor.push_back({0.5f * diameter, error.worst_silhouette_px, error.ssim});
+    const ImpostorError mesh = atlas.errors.at(ImpostorScheme::Mesh, diameter);
+    shape.impostor.push_back({0.5f * diameter, error.worst_silhouette_px, error.ssim, mesh.ssim});
   }
   if (atlas.errors.directions == 0) shape.impostor.clear();
   const uint32_t handle = world.singleton<SwarmStore>().addShape(std::move(shape));

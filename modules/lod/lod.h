@@ -36,7 +36,8 @@ struct MeshData;
 struct SizeError {
   float size_px = 0;        // outer radius
   float silhouette_px = 0;  // how far outlines are off
-  float ssim = 1;           // structural similarity to the supersampled mesh, at worst
+  float ssim = 1;           // structural similarity to the mesh with many samples a pixel
+  float mesh_ssim = 1;      // the same of the mesh with one sample a pixel: nothing that is not filtered is better
 };
 
 // What all grains of a swarm look like. Lengths are those of its mesh.
@@ -118,7 +119,7 @@ SCREE_COMPONENT(Swarm, (swarm, ""));
 // World singleton.
 struct LodSettings {
   float tolerance_px = 0.5f;  // how far outlines may be off
-  float least_ssim = 0.95f;   // an impostor is used at sizes at which it is at least this similar
+  float least_ssim = 0.95f;   // an impostor is used at sizes at which it is this similar, or as the mesh is
   float band = 0.05f;         // share by which a threshold must be passed before a grain changes
   // For benches: draws all as one representation if it is possible; kNotDrawn: chosen by the rest.
   uint32_t only = rules::kNotDrawn;

@@ -40,7 +40,7 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings)
   // One range of sizes: from the first measured size that is good enough to the last before one that is not.
   bool inside = false;
   for (const SizeError& measured : shape.impostor) {
-    const bool good = measured.silhouette_px <= tolerance && measured.ssim >= settings.least_ssim;
+    const bool good = measured.silhouette_px <= tolerance && measured.ssim >= std::min(settings.least_ssim, measured.mesh_ssim);
     if (good && !inside) {
       if (t.impostor_px > 0) break;
       // Below the smallest that was measured outlines are off by less yet.

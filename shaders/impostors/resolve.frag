@@ -30,8 +30,9 @@ void main() {
   local.direction = toGrain(rotation, ray * sqrt(inverse));
   vec3 seen = impostorOnProxy(local, atlas.proxy);
   ImpostorViews views = impostorViews(toGrain(rotation, -center), atlas.edge);
-  int nearest_level = impostorLevel(atlas.texels, 2.0 * sizePx(radius, length(center), view.pixels_at_1m));
-  float level = float(nearest_level), shape_level = float(impostorShapeLevel(nearest_level));
+  float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
+  float level = float(impostorLevel(atlas.texels, diameter_px, kImpostorColorBias));
+  float shape_level = float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias));
 
   uvec3 layer = uvec3(views.layer0, views.layer1, views.layer2);
   vec3 axis[3] = vec3[3](views.axis0, views.axis1, views.axis2);

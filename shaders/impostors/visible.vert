@@ -55,6 +55,7 @@ void main() {
     right[k] = basis.right * atlas.half_over_extent;
     up[k] = basis.up * atlas.half_over_extent;
   }
-  level = float(impostorShapeLevel(impostorLevel(atlas.texels, 2.0 * sizePx(radius, length(center), view.pixels_at_1m))));
+  float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
+  level = float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias));
   number = swarm.first + grain + 1u;
 }

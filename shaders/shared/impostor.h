@@ -143,10 +143,6 @@ RULE int impostorLevel(int p, float diameter_px, float bias) {
   return int(max(log2(float(p - 2) / max(diameter_px, 1.0f)) + bias, 0.0f) + 0.5f);
 }
 
-// The level whose coverage tells what one sample of a pixel hits: of texels so much smaller than a pixel that
-// a threshold of one half moves no outline.
-RULE int impostorShapeLevel(int level) { return max(level - 2, 0); }
-
 // A ray in the grain's space. `foot` is its point nearest to the centre, `direction` unit, into the
 // scene; where |foot| > 1 there is no grain.
 struct ImpostorRay {
