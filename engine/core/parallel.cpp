@@ -38,6 +38,12 @@ int threadCount() {
   return threads()->count;
 }
 
+size_t threadIndex() {
+  // A loop on the caller's thread alone is outside the arena, or inside somebody else's.
+  const int index = tbb::this_task_arena::current_thread_index();
+  return static_cast<size_t>(std::clamp(index, 0, threadCount() - 1));
+}
+
 void parallelChunks(size_t count, size_t chunk_size,
                     const std::function<void(size_t, size_t, size_t)>& body, Worth worth) {
   const size_t chunks = (count + chunk_size - 1) / chunk_size;

@@ -10,6 +10,8 @@ namespace scree {
 // core. Not while a loop runs.
 void setThreadCount(int count);
 int threadCount();
+// Inside a loop: the number of the thread, below threadCount(), which no other thread of the loop has.
+size_t threadIndex();
 
 // Whether a loop is long enough for more than one thread: to wake one costs some 10 us.
 enum class Worth { Threads, OneThread };

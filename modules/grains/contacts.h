@@ -12,6 +12,7 @@
 #include "modules/grains/bodies.h"
 #include "modules/grains/collider.h"
 #include "modules/grains/grid.h"
+#include "modules/grains/room.h"
 
 namespace scree::grains {
 
@@ -59,18 +60,17 @@ struct CohesionBatch {
   float pull[kBatch];  // force that parts the two, N
 };
 
+// The arrays are parts of those of PairLists.
 struct PairSlab {
-  // Found pairs by finder (a grain of this slab): the other grain, as Grid::neighbours() names it.
-  std::vector<uint32_t> found_j;
   // Batches: contacts whose grain pairs are disjoint within each.
   uint32_t count = 0;  // contacts with the unused lanes, a multiple of kBatch
   std::vector<uint32_t> border;  // contacts of which one grain sleeps
-  std::vector<uint32_t> i, j;
-  std::vector<ImpulseBatch> impulse;
-  std::vector<uint8_t> trust;  // a bit a lane; clear: a substep old, its impulse is not kept
-  std::vector<RollingBatch> rolling;    // empty: nothing rolls
-  std::vector<BouncingBatch> bouncing;  // empty: nothing bounces
-  std::vector<CohesionBatch> cohesion;  // empty: nothing holds
+  std::span<uint32_t> i, j;
+  std::span<ImpulseBatch> impulse;
+  std::span<uint8_t> trust;  // a bit a lane; clear: a substep old, its impulse is not kept
+  std::span<RollingBatch> rolling;    // empty: nothing rolls
+  std::span<BouncingBatch> bouncing;  // empty: nothing bounces
+  std::span<CohesionBatch> cohesion;  // empty: nothing holds
   std::vector<Bounce> bounces;
   float deepest = 0;     // overlap, m
   uint32_t carried = 0;  // contacts that carry an impulse after the last pass
@@ -102,8 +102,9 @@ struct PairSlab {
   }
 
   // Working memory of the build.
-  std::vector<std::pair<uint32_t, uint32_t>> foreign;  // pairs found by the slab above
-  std::vector<uint32_t> colour, colour_count;
+  uint64_t found_begin = 0, colour_begin = 0;
+  uint32_t found_count = 0, found_below = 0;  // pairs; of them with grains of the slab below
+  std::vector<uint32_t> colour_count;
 };
 
 // A contact that takes its impulses along into the next lists, by their slots.
@@ -124,16 +125,15 @@ struct KeptPairs {
     vec3 impulse;      // on the listed grain, N s
   };
   static constexpr uint32_t kTrusted = 0x80000000u;
-  std::vector<uint32_t> begin;  // by slot, one more than there are grains
-  std::vector<Contact> contact;
-  std::vector<vec3> rolling;    // of contact[k]; empty: nothing rolled
+  Room<uint32_t> begin;    // by slot
+  Room<Contact> contact;
+  Room<vec3> rolling;      // of contact[k]; empty: nothing rolled
 };
 
-struct PairLists {
+class PairLists {
+ public:
   std::vector<PairSlab> slab;
   uint32_t slab_count = 0;
-  std::vector<uint32_t> slab_of, found_end;  // by slot
-  std::vector<uint64_t> mask[2];             // colours taken, by parity of the slab
   bool rolling = false, bouncing = false, cohesive = false;
   uint64_t pair_count = 0;
 
@@ -149,21 +149,51 @@ struct PairLists {
   std::string restore(ByteReader& in, std::span<const uint32_t> slab_begin, const Bodies& bodies,
                       bool in_force);
   // Grains that are listed.
-  uint32_t bodyCount() const { return static_cast<uint32_t>(slab_of.size()); }
+  uint32_t bodyCount() const { return listed_; }
   size_t memoryBytes() const;
 
  private:
+  // Of a thread: the pairs that the grains of a slab find, and colours taken by grain of two slabs.
+  struct Scratch {
+    std::vector<uint32_t> found;
+    Room<uint64_t> taken;
+  };
   void keep(const PairLists& old, std::span<const uint32_t> before,
             std::span<const JoiningPair> joining);
-  void find(const Grid& grid, const Bodies& bodies, uint32_t s);
-  void batch(const Grid& grid, const Bodies& bodies, uint32_t s);
+  void find(const Grid& grid, const Bodies& bodies);
+  void findOf(const Grid& grid, const Bodies& bodies, uint32_t s, std::vector<uint32_t>& found);
+  template <class Visit>
+  void eachPair(const Grid& grid, uint32_t s, const Visit& visit);
+  void colour(const Grid& grid, uint32_t s);
+  void place(const Grid& grid, const Bodies& bodies, uint32_t s);
   void fill(uint32_t s, const Bodies& bodies);
+  // Shares out the arrays of the batches, whose counts are known: first who is in them, then the rest.
+  void layOut(Contents contents);
+  void layOutImpulses(Contents contents);
+  template <class T>
+  void share(std::span<T> all, std::span<T> PairSlab::* part, uint32_t a_batch);
   // Makes room for all lanes, none of them used.
   void fillIdle(uint32_t s);
+  static void clearLanes(PairSlab& own);
   void mixMaterials(PairSlab& own, uint32_t contact, const Bodies& bodies) const;
+  // Found pairs by slab and finder (a grain of the slab): the other grain, as Grid::neighbours() names
+  // it. And their colours, by the slab whose batches they are for.
+  uint32_t* found() { return reinterpret_cast<uint32_t*>(impulse_.data()); }
+  uint32_t* colours() { return found() + pair_count; }
 
+  uint32_t listed_ = 0;
   KeptPairs kept_;
-  std::vector<uint32_t> slot_now_;  // of each slot in `old`
+  Room<uint32_t> by_slot_;  // in keep(): slot now of each slot in `old`; then: end of what it found in its slab
+  std::vector<Scratch> scratch_;  // by thread
+  size_t most_found_ = 0;         // by the grains of a slab
+  // Of all slabs, one after the other.
+  Room<uint32_t> i_, j_;
+  Room<uint8_t> trust_;
+  Room<RollingBatch> rolling_;
+  Room<BouncingBatch> bouncing_;
+  Room<CohesionBatch> cohesion_;
+  // The impulses' batches; before, during the build, the found pairs and then their colours.
+  Room<std::byte> impulse_;
 };
 
 // One grain near one collider.

@@ -47,6 +47,14 @@ class Grid {
   uint32_t slabCount() const { return slabs_; }
   uint32_t slabBegin(uint32_t slab) const { return bucket_begin_[slab * buckets_a_slab_]; }
   uint32_t slabEnd(uint32_t slab) const { return slabBegin(slab + 1); }
+  uint32_t slabOf(uint32_t slot) const {
+    uint32_t begin = 0, end = slabs_;  // the last slab that begins no later, whole or empty
+    while (end - begin > 1) {
+      const uint32_t middle = (begin + end) / 2;
+      (slabBegin(middle) <= slot ? begin : end) = middle;
+    }
+    return begin;
+  }
   uint32_t slabAbove(uint32_t slab) const { return (slab + 1) & (slabs_ - 1); }
   // True if grains of different sizes are found from either side: see neighbours().
   bool mixed() const { return level_count_ > 1; }

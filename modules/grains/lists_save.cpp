@@ -74,10 +74,8 @@ std::string PairLists::restore(ByteReader& in, std::span<const uint32_t> slab_be
                                const Bodies& bodies, bool in_force) {
   slab_count = slab_begin.empty() ? 0 : static_cast<uint32_t>(slab_begin.size() - 1);
   slab.resize(slab_count);
-  slab_of.resize(slab_count > 0 ? slab_begin.back() : 0);
-  for (uint32_t s = 0; s < slab_count; ++s)
-    std::fill(slab_of.begin() + slab_begin[s], slab_of.begin() + slab_begin[s + 1], s);
-  std::vector<uint32_t> met(slab_of.size(), 0);  // the last batch with the grain, counted from 1
+  listed_ = slab_count > 0 ? slab_begin.back() : 0;
+  std::vector<uint32_t> met(listed_, 0);  // the last batch with the grain, counted from 1
   uint32_t batch = 0;
   uint64_t lanes = 0;
   pair_count = 0;
@@ -89,11 +87,9 @@ std::string PairLists::restore(ByteReader& in, std::span<const uint32_t> slab_be
       return fmt::format("slab {}: {} batches of contacts reach beyond the end, or are too many", s,
                          batches);
     own.count = batches * kBatch;
-    refill(own.impulse, batches, ImpulseBatch{});
-    refill(own.trust, batches, uint8_t{0});
-    refill(own.rolling, rolling ? batches : 0, RollingBatch{});
-    refill(own.bouncing, bouncing ? batches : 0, BouncingBatch{});
-    refill(own.cohesion, cohesive ? batches : 0, CohesionBatch{});
+    layOut(Contents::Keep);
+    layOutImpulses(Contents::Keep);
+    clearLanes(own);
     fillIdle(s);
     for (uint32_t b = 0; b < batches; ++b) {
       ++batch;
@@ -103,11 +99,12 @@ std::string PairLists::restore(ByteReader& in, std::span<const uint32_t> slab_be
         const uint32_t c = b * kBatch + lane;
         const auto i = in.number<uint32_t>(), j = in.number<uint32_t>();
         for (const uint32_t slot : {i, j}) {
-          const bool here = slot < slab_of.size() &&
-                            (slab_of[slot] == s || slab_of[slot] == ((s + 1) & (slab_count - 1)));
+          const uint32_t above = (s + 1) & (slab_count - 1);
+          const bool here = (slot >= slab_begin[s] && slot < slab_begin[s + 1]) ||
+                            (slot >= slab_begin[above] && slot < slab_begin[above + 1]);
           if (!here || met[slot] == batch)
             return fmt::format("slab {}, contact {}: bodies {} and {} of {} are not there, or there twice",
-                               s, c, i, j, slab_of.size());
+                               s, c, i, j, listed_);
           met[slot] = batch;
         }
         if (in_force && !isAwake(bodies, i) && !isAwake(bodies, j))
@@ -128,7 +125,7 @@ std::string PairLists::restore(ByteReader& in, std::span<const uint32_t> slab_be
     own.border.reserve(borders);
     for (uint32_t k = 0; k < borders; ++k) {
       const auto c = in.number<uint32_t>();
-      const bool listed = c < own.count && own.i[c] < slab_of.size();
+      const bool listed = c < own.count && own.i[c] < listed_;
       if (!listed || (in_force && isAwake(bodies, own.i[c]) == isAwake(bodies, own.j[c])))
         return fmt::format("slab {}: contact {} is no border of sleepers", s, c);
       own.border.push_back(c);

@@ -15,6 +15,11 @@ namespace {
 // Of a grain in a slab's found_j.
 uint32_t slotOf(uint32_t found) { return found & ~kNearBit; }
 
+template <class T>
+std::span<T> makeRoom(Room<T>& room, size_t n, Contents contents) {
+  return contents == Contents::Keep ? room.extend(n) : room.remake(n);
+}
+
 }  // namespace
 
 void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& old,
@@ -22,10 +27,7 @@ void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& o
   keep(old, before, joining);
   slab_count = grid.slabCount();
   if (slab.size() < slab_count) slab.resize(slab_count);
-  remake(slab_of, bodies.count);
-  remake(found_end, bodies.count);
-  remake(mask[0], bodies.count);
-  remake(mask[1], bodies.count);
+  listed_ = bodies.count;
   rolling = bouncing = cohesive = false;
   for (const GrainMaterial& material : std::span(bodies.material).first(bodies.count)) {
     rolling = rolling || material.rolling_friction > 0;
@@ -33,15 +35,49 @@ void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& o
     cohesive = cohesive || material.cohesion > 0;
   }
   rolling = rolling || bouncing || cohesive;
+  find(grid, bodies);
+  uint64_t colours = 0;
+  for (uint32_t s = 0; s < slab_count; ++s) {
+    slab[s].colour_begin = colours;
+    colours += slab[s].found_count - slab[s].found_below + slab[grid.slabAbove(s)].found_below;
+  }
   const Worth worth = worthOf(bodies.count, kFewGrains);
-  parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) { find(grid, bodies, uint32_t(s)); },
-                 worth);
-  parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
-    batch(grid, bodies, uint32_t(s));
-    fill(uint32_t(s), bodies);
-  }, worth);
-  pair_count = 0;
-  for (uint32_t s = 0; s < slab_count; ++s) pair_count += slab[s].found_j.size();
+  const auto eachSlab = [&](const auto& visit) {
+    parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) { visit(static_cast<uint32_t>(s)); }, worth);
+  };
+  eachSlab([&](uint32_t s) { colour(grid, s); });
+  layOut(Contents::Drop);
+  eachSlab([&](uint32_t s) { place(grid, bodies, s); });
+  layOutImpulses(Contents::Drop);
+  eachSlab([&](uint32_t s) { fill(s, bodies); });
+}
+
+// Shares an array out among the slabs, `a_batch` of it for each of their batches.
+template <class T>
+void PairLists::share(std::span<T> all, std::span<T> PairSlab::* part, uint32_t a_batch) {
+  size_t begin = 0;
+  for (uint32_t s = 0; s < slab_count; ++s) {
+    const size_t n = slab[s].count / kBatch * a_batch;
+    slab[s].*part = all.empty() ? all : all.subspan(begin, n);
+    begin += n;
+  }
+}
+
+void PairLists::layOut(Contents contents) {
+  size_t lanes = 0;
+  for (uint32_t s = 0; s < slab_count; ++s) lanes += slab[s].count;
+  share(makeRoom(i_, lanes, contents), &PairSlab::i, kBatch);
+  share(makeRoom(j_, lanes, contents), &PairSlab::j, kBatch);
+}
+
+void PairLists::layOutImpulses(Contents contents) {
+  const size_t batches = i_.size() / kBatch;
+  makeRoom(impulse_, batches * sizeof(ImpulseBatch), contents);
+  share(std::span(reinterpret_cast<ImpulseBatch*>(impulse_.data()), batches), &PairSlab::impulse, 1);
+  share(makeRoom(trust_, batches, contents), &PairSlab::trust, 1);
+  share(makeRoom(rolling_, rolling ? batches : 0, contents), &PairSlab::rolling, 1);
+  share(makeRoom(bouncing_, bouncing ? batches : 0, contents), &PairSlab::bouncing, 1);
+  share(makeRoom(cohesion_, cohesive ? batches : 0, contents), &PairSlab::cohesion, 1);
 }
 
 // Lists the impulses of `old` by the slots of now. The order within a grain's list may vary with
@@ -49,21 +85,24 @@ void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& o
 void PairLists::keep(const PairLists& old, std::span<const uint32_t> before,
                      std::span<const JoiningPair> joining) {
   const uint32_t n = static_cast<uint32_t>(before.size());
-  refill(kept_.begin, n, 0u);
-  kept_.contact.clear();
-  kept_.rolling.clear();
-  if (old.slab_count == 0 && joining.empty()) return;
-  refill(slot_now_, old.slab_of.size(), kNoSlot);
+  kept_.begin.remake(n, 0);
+  const bool any = old.slab_count > 0 || !joining.empty();
+  if (!any) {
+    kept_.contact.remake(0);
+    kept_.rolling.remake(0);
+    return;
+  }
+  const std::span<uint32_t> slot_now = by_slot_.remake(old.listed_, kNoSlot);
   for (uint32_t k = 0; k < n; ++k)
-    if (before[k] != kNoSlot) slot_now_[before[k]] = k;
+    if (before[k] != kNoSlot) slot_now[before[k]] = k;
 
   const Worth worth = worthOf(n, kFewGrains);
   const auto eachContact = [&](const auto& visit) {
     parallelChunks(old.slab_count, 1, [&](size_t s, size_t, size_t) {
       const PairSlab& from = old.slab[s];
       for (uint32_t c = 0; c < from.count; ++c) {
-        if (from.i[c] >= slot_now_.size() || !from.carriesImpulse(c)) continue;
-        const uint32_t i = slot_now_[from.i[c]], j = slot_now_[from.j[c]];
+        if (from.i[c] >= slot_now.size() || !from.carriesImpulse(c)) continue;
+        const uint32_t i = slot_now[from.i[c]], j = slot_now[from.j[c]];
         if (i != kNoSlot && j != kNoSlot) visit(from, c, i, j);
       }
     }, worth);
@@ -76,13 +115,13 @@ void PairLists::keep(const PairLists& old, std::span<const uint32_t> before,
   eachContact([&](const PairSlab&, uint32_t, uint32_t i, uint32_t j) { next(std::min(i, j)); });
   for (const JoiningPair& pair : joining) next(std::min(pair.i, pair.j));
   uint32_t total = 0;
-  for (uint32_t& begin : kept_.begin) {
+  for (uint32_t& begin : kept_.begin.all()) {
     const uint32_t count = begin;
     begin = total;
     total += count;
   }
-  remake(kept_.contact, total);
-  if (old.rolling || !joining.empty()) refill(kept_.rolling, total, vec3(0));
+  kept_.contact.remake(total);
+  kept_.rolling.remake(old.rolling || !joining.empty() ? total : 0, vec3(0));
   eachContact([&](const PairSlab& from, uint32_t c, uint32_t i, uint32_t j) {
     const uint32_t at = next(std::min(i, j)), b = c / kBatch, lane = c % kBatch;
     const float sign = i < j ? 1.0f : -1.0f;
@@ -102,92 +141,152 @@ void PairLists::keep(const PairLists& old, std::span<const uint32_t> before,
   }
 }
 
-void PairLists::find(const Grid& grid, const Bodies& bodies, uint32_t s) {
-  PairSlab& own = slab[s];
-  own.found_j.clear();
-  for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i) {
-    slab_of[i] = s;
-    const auto before = static_cast<std::ptrdiff_t>(own.found_j.size());
-    grid.neighbours(i, own.found_j);
-    if (!isAwake(bodies, i))
-      own.found_j.erase(std::remove_if(own.found_j.begin() + before, own.found_j.end(),
-                                       [&](uint32_t j) { return !isAwake(bodies, slotOf(j)); }),
-                        own.found_j.end());
-    if (!bodies.clump.empty() && bodies.clump[i] != kNoSlot)
-      own.found_j.erase(std::remove_if(own.found_j.begin() + before, own.found_j.end(),
-                                       [&](uint32_t j) { return bodies.clump[slotOf(j)] == bodies.clump[i]; }),
-                        own.found_j.end());
-    found_end[i] = static_cast<uint32_t>(own.found_j.size());
+// Each slab's pairs are found into a list of the thread, and then moved behind those of slabs that were
+// found earlier. Where there is no room any more, it is made, and the slabs that are left are searched again.
+void PairLists::find(const Grid& grid, const Bodies& bodies) {
+  const Worth worth = worthOf(bodies.count, kFewGrains);
+  size_t most = 0;  // grains of two slabs
+  for (uint32_t s = 0; s < slab_count; ++s) {
+    const uint32_t above = grid.slabAbove(s);
+    most = std::max<size_t>(most, grid.slabEnd(s) - grid.slabBegin(s) + grid.slabEnd(above) - grid.slabBegin(above));
   }
+  scratch_.resize(worth == Worth::OneThread ? 1 : static_cast<size_t>(threadCount()));
+  for (Scratch& scratch : scratch_) {
+    most_found_ = std::max(most_found_, scratch.found.capacity());
+    scratch.taken.remake(most);
+  }
+  for (Scratch& scratch : scratch_) scratch.found.reserve(most_found_);
+
+  by_slot_.remake(bodies.count);
+  std::atomic<uint64_t> found_so_far = 0;
+  const uint64_t room = impulse_.capacity() / (2 * sizeof(uint32_t));  // beside the colours
+  const auto copy = [&](const PairSlab& own, const std::vector<uint32_t>& pairs) {
+    std::copy(pairs.begin(), pairs.end(), found() + own.found_begin);
+  };
+  parallelChunks(slab_count, 1, [&](size_t k, size_t, size_t) {
+    std::vector<uint32_t>& pairs = scratch_[threadIndex()].found;
+    PairSlab& own = slab[k];
+    findOf(grid, bodies, static_cast<uint32_t>(k), pairs);
+    own.found_count = static_cast<uint32_t>(pairs.size());
+    own.found_begin = found_so_far.fetch_add(own.found_count, std::memory_order_relaxed);
+    if (own.found_begin + own.found_count <= room) copy(own, pairs);
+  }, worth);
+  pair_count = found_so_far;
+  impulse_.extend(2 * sizeof(uint32_t) * pair_count);
+  if (pair_count <= room) return;
+  parallelChunks(slab_count, 1, [&](size_t k, size_t, size_t) {
+    const PairSlab& own = slab[k];
+    if (own.found_begin + own.found_count <= room) return;
+    std::vector<uint32_t>& pairs = scratch_[threadIndex()].found;
+    findOf(grid, bodies, static_cast<uint32_t>(k), pairs);
+    copy(own, pairs);
+  }, worth);
+}
+
+void PairLists::findOf(const Grid& grid, const Bodies& bodies, uint32_t s, std::vector<uint32_t>& found) {
+  found.clear();
+  const uint32_t below = (s + slab_count - 1) & (slab_count - 1);
+  const uint32_t below_begin = grid.slabBegin(below), below_count = grid.slabEnd(below) - below_begin;
+  PairSlab& own = slab[s];
+  own.found_below = 0;
+  for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i) {
+    const auto before = static_cast<std::ptrdiff_t>(found.size());
+    grid.neighbours(i, found);
+    if (!isAwake(bodies, i))
+      found.erase(std::remove_if(found.begin() + before, found.end(),
+                                 [&](uint32_t j) { return !isAwake(bodies, slotOf(j)); }),
+                  found.end());
+    if (!bodies.clump.empty() && bodies.clump[i] != kNoSlot)
+      found.erase(std::remove_if(found.begin() + before, found.end(),
+                                 [&](uint32_t j) { return bodies.clump[slotOf(j)] == bodies.clump[i]; }),
+                  found.end());
+    by_slot_[i] = static_cast<uint32_t>(found.size());
+    if (!grid.mixed()) continue;
+    for (size_t k = static_cast<size_t>(before); k < found.size(); ++k)
+      own.found_below += slotOf(found[k]) - below_begin < below_count;
+  }
+}
+
+// Calls visit(k, i, found j) for all pairs of the slab, numbered in order: those that its grains find, and
+// those with its grains that are found from above.
+template <class Visit>
+void PairLists::eachPair(const Grid& grid, uint32_t s, const Visit& visit) {
+  const auto eachFound = [&](uint32_t by, uint32_t in, const auto& pair) {
+    const uint32_t begin = grid.slabBegin(in), count = grid.slabEnd(in) - begin;
+    const uint32_t* pairs = found() + slab[by].found_begin;
+    uint32_t at = 0;
+    for (uint32_t i = grid.slabBegin(by); i < grid.slabEnd(by); ++i)
+      for (; at < by_slot_[i]; ++at) pair(i, pairs[at], slotOf(pairs[at]) - begin < count);
+  };
+  uint32_t k = 0;
+  if (!grid.mixed()) {
+    eachFound(s, s, [&](uint32_t i, uint32_t j, bool) { visit(k++, i, j); });
+    return;
+  }
+  eachFound(s, (s + slab_count - 1) & (slab_count - 1), [&](uint32_t i, uint32_t j, bool below) {
+    if (!below) visit(k++, i, j);
+  });
+  eachFound(grid.slabAbove(s), s, [&](uint32_t i, uint32_t j, bool here) {
+    if (here) visit(k++, i, j);
+  });
 }
 
 // Greedy colouring: a contact gets the lowest colour that neither of its grains has; contacts of a
 // colour are disjoint. Grains with more than 32 contacts take part in several rounds.
-void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
+void PairLists::colour(const Grid& grid, uint32_t s) {
   PairSlab& own = slab[s];
-  const uint32_t above = grid.slabAbove(s), below = (s + slab_count - 1) & (slab_count - 1);
-  std::vector<uint64_t>& taken = mask[s & 1];
-  const auto clear = [&] {
-    std::fill(taken.begin() + grid.slabBegin(s), taken.begin() + grid.slabEnd(s), 0);
-    std::fill(taken.begin() + grid.slabBegin(above), taken.begin() + grid.slabEnd(above), 0);
-  };
-  own.foreign.clear();
-  if (grid.mixed()) {
-    uint32_t k = 0;
-    for (uint32_t i = grid.slabBegin(above); i < grid.slabEnd(above); ++i)
-      for (; k < found_end[i]; ++k)
-        if (slab_of[slotOf(slab[above].found_j[k])] == s)
-          own.foreign.emplace_back(i, slab[above].found_j[k]);
-  }
-  // Calls visit(k, i, found j) for all pairs of this slab, numbered in order.
-  const auto eachPair = [&](const auto& visit) {
-    uint32_t k = 0, at = 0;
-    for (uint32_t i = grid.slabBegin(s); i < grid.slabEnd(s); ++i)
-      for (; at < found_end[i]; ++at)
-        if (!grid.mixed() || slab_of[slotOf(own.found_j[at])] != below)
-          visit(k++, i, own.found_j[at]);
-    for (const auto& [i, j] : own.foreign) visit(k++, i, j);
-    return k;
+  const uint32_t begin = grid.slabBegin(s), above = grid.slabAbove(s);
+  const size_t grains = grid.slabEnd(s) - begin + grid.slabEnd(above) - grid.slabBegin(above);
+  const std::span<uint64_t> masks = scratch_[threadIndex()].taken.all().first(grains);
+  // The slab above the last one is the first.
+  const auto taken = [&](uint32_t slot) -> uint64_t& {
+    return masks[slot >= begin ? slot - begin : slot + (listed_ - begin)];
   };
   // A round has colours 0 to 31 for pairs that touch and 32 to 63 for the rest: whole batches of
   // which nothing comes cost little.
   constexpr uint32_t kWaits = 0xffffffffu;
-  remake(own.colour, own.found_j.size() + own.foreign.size());
+  uint32_t* const colour = colours() + own.colour_begin;
   own.colour_count.clear();
   uint32_t waiting = 1;
   for (uint32_t round = 0; waiting > 0; ++round) {
-    clear();
+    std::ranges::fill(masks, 0);
     waiting = 0;
     own.colour_count.resize(64 * (round + 1), 0);
-    eachPair([&](uint32_t k, uint32_t i, uint32_t found) {
-      if (round > 0 && own.colour[k] != kWaits) return;
+    eachPair(grid, s, [&](uint32_t k, uint32_t i, uint32_t found) {
+      if (round > 0 && colour[k] != kWaits) return;
       const uint32_t j = slotOf(found);
       const int side = found != j ? 0 : 32;
-      const uint32_t free = static_cast<uint32_t>(~(taken[i] | taken[j]) >> side);
+      uint64_t &taken_i = taken(i), &taken_j = taken(j);
+      const uint32_t free = static_cast<uint32_t>(~(taken_i | taken_j) >> side);
       if (free == 0) {
-        own.colour[k] = kWaits;
+        colour[k] = kWaits;
         ++waiting;
         return;
       }
-      const uint32_t colour = static_cast<uint32_t>(std::countr_zero(free) + side);
-      taken[i] |= uint64_t{1} << colour;
-      taken[j] |= uint64_t{1} << colour;
-      own.colour[k] = 64 * round + colour;
-      ++own.colour_count[own.colour[k]];
+      const uint32_t lowest = static_cast<uint32_t>(std::countr_zero(free) + side);
+      taken_i |= uint64_t{1} << lowest;
+      taken_j |= uint64_t{1} << lowest;
+      colour[k] = 64 * round + lowest;
+      ++own.colour_count[colour[k]];
     });
   }
   uint32_t end = 0;
   for (uint32_t& n : own.colour_count) {
-    const uint32_t begin = end;
+    const uint32_t first = end;
     end += (n + kBatch - 1) & ~(kBatch - 1);
-    n = begin;
+    n = first;
   }
   own.count = end;
+}
+
+void PairLists::place(const Grid& grid, const Bodies& bodies, uint32_t s) {
+  PairSlab& own = slab[s];
+  const uint32_t* const colour = colours() + own.colour_begin;
   own.border.clear();
   fillIdle(s);
-  eachPair([&](uint32_t k, uint32_t i, uint32_t found) {
+  eachPair(grid, s, [&](uint32_t k, uint32_t i, uint32_t found) {
     const uint32_t j = slotOf(found);
-    const uint32_t contact = own.colour_count[own.colour[k]]++;
+    const uint32_t contact = own.colour_count[colour[k]]++;
     if (!isAwake(bodies, i) || !isAwake(bodies, j)) own.border.push_back(contact);
     own.i[contact] = i;
     own.j[contact] = j;
@@ -196,9 +295,7 @@ void PairLists::batch(const Grid& grid, const Bodies& bodies, uint32_t s) {
 
 void PairLists::fillIdle(uint32_t s) {
   PairSlab& own = slab[s];
-  remake(own.i, own.count);
-  remake(own.j, own.count);
-  const uint32_t idle = static_cast<uint32_t>(slab_of.size()) + s * kIdleBodies;
+  const uint32_t idle = listed_ + s * kIdleBodies;
   for (uint32_t k = 0; k < own.count; ++k) {
     own.i[k] = idle + k % kBatch;
     own.j[k] = idle + kBatch + k % kBatch;
@@ -217,15 +314,18 @@ void PairLists::mixMaterials(PairSlab& own, uint32_t contact, const Bodies& bodi
   }
 }
 
+void PairLists::clearLanes(PairSlab& own) {
+  std::ranges::fill(own.impulse, ImpulseBatch{});
+  std::ranges::fill(own.trust, uint8_t{0});
+  std::ranges::fill(own.rolling, RollingBatch{});
+  std::ranges::fill(own.bouncing, BouncingBatch{});
+  std::ranges::fill(own.cohesion, CohesionBatch{});
+  own.bounces.clear();
+}
+
 void PairLists::fill(uint32_t s, const Bodies& bodies) {
   PairSlab& own = slab[s];
-  const size_t batches = own.count / kBatch;
-  refill(own.impulse, batches, ImpulseBatch{});
-  refill(own.trust, batches, uint8_t{0});
-  refill(own.rolling, rolling ? batches : 0, RollingBatch{});
-  refill(own.bouncing, bouncing ? batches : 0, BouncingBatch{});
-  refill(own.cohesion, cohesive ? batches : 0, CohesionBatch{});
-  own.bounces.clear();
+  clearLanes(own);
   for (uint32_t c = 0; c < own.count; ++c) {
     const uint32_t i = own.i[c], j = own.j[c], b = c / kBatch, lane = c % kBatch;
     if (i >= bodies.count) continue;
@@ -249,19 +349,13 @@ void PairLists::fill(uint32_t s, const Bodies& bodies) {
 }
 
 size_t PairLists::memoryBytes() const {
-  size_t bytes = 4 * (slab_of.capacity() + found_end.capacity() + slot_now_.capacity() +
-                      kept_.begin.capacity()) +
-                 8 * (mask[0].capacity() + mask[1].capacity()) +
-                 sizeof(KeptPairs::Contact) * kept_.contact.capacity() +
-                 sizeof(vec3) * kept_.rolling.capacity();
+  size_t bytes = kept_.begin.memoryBytes() + kept_.contact.memoryBytes() + kept_.rolling.memoryBytes() +
+                 by_slot_.memoryBytes() + i_.memoryBytes() + j_.memoryBytes() + impulse_.memoryBytes() +
+                 trust_.memoryBytes() + rolling_.memoryBytes() + bouncing_.memoryBytes() +
+                 cohesion_.memoryBytes() + slab.capacity() * sizeof(PairSlab);
+  for (const Scratch& scratch : scratch_) bytes += 4 * scratch.found.capacity() + scratch.taken.memoryBytes();
   for (const PairSlab& s : slab)
-    bytes += 4 * (s.found_j.capacity() + s.i.capacity() + s.j.capacity() +
-                  s.colour_count.capacity() + s.colour.capacity()) +
-             sizeof(s.foreign[0]) * s.foreign.capacity() + 4 * s.border.capacity() +
-             sizeof(ImpulseBatch) * s.impulse.capacity() + s.trust.capacity() +
-             sizeof(RollingBatch) * s.rolling.capacity() +
-             sizeof(BouncingBatch) * s.bouncing.capacity() +
-             sizeof(CohesionBatch) * s.cohesion.capacity() + sizeof(Bounce) * s.bounces.capacity();
+    bytes += 4 * (s.colour_count.capacity() + s.border.capacity()) + sizeof(Bounce) * s.bounces.capacity();
   return bytes;
 }
 

@@ -76,7 +76,7 @@ bool GrainSolver::followStrays(float h) {
     if (!(h * std::sqrt(glm::dot(relative, relative)) <= reference.margin)) return false;
     const float reach = grain.radius + reference.margin;
     if (!grid_.moveAlone(slot, reference.position, reach, met_) && !meetsOwnOnly(slot)) return false;
-    bool meets = walls_.misses(slot, pairs_.slab_of[slot], grain.position, reach);
+    bool meets = walls_.misses(slot, grid_.slabOf(slot), grain.position, reach);
     sleepers_.near(grain.position - reach, grain.position + reach, [&](uint32_t berth) {
       const Sleepers::Spot& spot = sleepers_.spot(berth);
       const vec3 d = spot.position - grain.position;

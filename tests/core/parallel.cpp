@@ -40,6 +40,22 @@ TEST_F(Parallel, ChunksAreTheSameForEveryThreadCount) {
     }
 }
 
+TEST_F(Parallel, NoTwoThreadsOfALoopHaveTheSameIndex) {
+  for (int threads : {1, 2, 4}) {
+    setThreadCount(threads);
+    std::vector<std::atomic<int>> inside(static_cast<size_t>(threads));
+    std::atomic<int> met = 0;
+    parallelChunks(400, 1, [&](size_t, size_t, size_t) {
+      const size_t index = threadIndex();
+      ASSERT_LT(index, inside.size());
+      met += inside[index]++ != 0;
+      std::this_thread::sleep_for(std::chrono::microseconds(20));
+      --inside[index];
+    });
+    EXPECT_EQ(met, 0) << threads << " threads";
+  }
+}
+
 TEST_F(Parallel, OneThreadRunsInOrderOnTheCaller) {
   setThreadCount(1);
   std::vector<size_t> order;  // unprotected: only this thread may touch it

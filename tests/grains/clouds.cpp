@@ -113,7 +113,7 @@ std::vector<std::pair<uint32_t, uint32_t>> search(const Field& field, float marg
         pairs.emplace_back(std::min(a, b), std::max(a, b));
         // A slab touches its own grains and those of the slab above.
         for (const uint32_t slot : {slab.i[k], slab.j[k]})
-          EXPECT_TRUE(lists.slab_of[slot] == s || lists.slab_of[slot] == above);
+          EXPECT_TRUE(grid.slabOf(slot) == s || grid.slabOf(slot) == above);
       }
     }
   }

@@ -1,0 +1,97 @@
+// Arrays that a search makes anew as a whole: no more of them is kept than was needed of late.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+namespace scree::grains {
+
+// Capacity for n things whose number wavers a little: an eighth to spare.
+constexpr size_t roomFor(size_t n) { return n + n / 8; }
+
+enum class Contents { Drop, Keep };
+
+template <class T>
+class Room {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+
+ public:
+  Room() = default;
+  Room(Room&& other) noexcept { *this = std::move(other); }
+  Room& operator=(Room&& other) noexcept {
+    data_ = std::move(other.data_);
+    size_ = std::exchange(other.size_, 0);
+    capacity_ = std::exchange(other.capacity_, 0);
+    roomy_ = std::exchange(other.roomy_, 0);
+    return *this;
+  }
+
+  // Makes it hold n, contents undefined.
+  std::span<T> remake(size_t n) {
+    const bool roomy = n < capacity_ / 2 && capacity_ * sizeof(T) > kLittle;
+    roomy_ = roomy ? roomy_ + 1 : 0;
+    if (n > capacity_ || roomy_ > kLong) {
+      data_.reset();  // before there is the other
+      data_ = allocate(roomFor(n));
+      capacity_ = roomFor(n);
+      roomy_ = 0;
+    }
+    size_ = n;
+    return all();
+  }
+  std::span<T> remake(size_t n, const T& value) {
+    std::ranges::fill(remake(n), value);
+    return all();
+  }
+  // Makes it hold n, of which those that it holds are kept.
+  std::span<T> extend(size_t n) {
+    if (n > capacity_) {
+      auto wider = allocate(roomFor(n));
+      std::copy_n(data_.get(), size_, wider.get());
+      data_ = std::move(wider);
+      capacity_ = roomFor(n);
+    }
+    size_ = n;
+    return all();
+  }
+  void release() { *this = Room(); }
+
+  std::span<T> all() { return {data_.get(), size_}; }
+  std::span<const T> all() const { return {data_.get(), size_}; }
+  T* data() { return data_.get(); }
+  T& operator[](size_t k) { return data_.get()[k]; }
+  const T& operator[](size_t k) const { return data_.get()[k]; }
+  size_t size() const { return size_; }
+  size_t capacity() const { return capacity_; }
+  bool empty() const { return size_ == 0; }
+  size_t memoryBytes() const { return capacity_ * sizeof(T); }
+
+ private:
+  // So many times in a row less than half was needed: then it shrinks.
+  static constexpr uint32_t kLong = 8;
+  static constexpr size_t kLittle = 1024;  // bytes, which are not worth it
+  // Of a cache line, so that no batch of lanes lies across two.
+  static constexpr std::align_val_t kAlignment{64};
+
+  struct Free {
+    void operator()(T* data) const { ::operator delete(data, kAlignment); }
+  };
+  using Data = std::unique_ptr<T, Free>;
+  static Data allocate(size_t n) {
+    T* data = static_cast<T*>(::operator new(n * sizeof(T), kAlignment));
+    std::uninitialized_default_construct_n(data, n);
+    return Data(data);
+  }
+
+  Data data_;
+  size_t size_ = 0, capacity_ = 0;
+  uint32_t roomy_ = 0;
+};
+
+}  // namespace scree::grains
