@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "engine/core/parallel.h"
@@ -105,49 +106,95 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
   if (searched || wider)
     for (Swept& swept : swept_) swept.fresh = true;
   extra_ = going.extra;
-  const uint32_t slabs_before = slab_count;
+  const TakeOver over{searched, before, joining, slab_count};
   slab_count = grid.slabCount();
   if (slab.size() < slab_count) slab.resize(slab_count);
+  std::swap(was_, contact_);
   for (uint32_t s = 0; s < slab.size(); ++s) {
     ColliderSlab& own = slab[s];
-    own.was.swap(own.contact);
-    own.contact.clear();
+    own.was = own.contact;
+    own.contact = {};
+    own.contact_size = 0;
     own.was_begin = own.begin;
     own.begin = s < slab_count ? grid.slabBegin(s) : 0;
     own.end = s < slab_count ? grid.slabEnd(s) : 0;
   }
+  const Worth worth = worthOf(bodies.count, kFewGrains);
+  scratch_.resize(worth == Worth::OneThread ? 1 : static_cast<size_t>(threadCount()));
+  for (const Scratch& scratch : scratch_) most_listed_ = std::max(most_listed_, scratch.contact.capacity());
+  for (Scratch& scratch : scratch_) scratch.contact.reserve(most_listed_);
+
+  // Each slab is listed by a thread, and then moved behind those that were listed earlier. Where there is
+  // no room any more, it is made, and the slabs that are left are listed again.
+  std::atomic<size_t> listed = 0;
+  contact_.remake(contact_count);
+  const size_t room = contact_.capacity();
+  contact_.extend(room);
+  const auto copy = [&](const ColliderSlab& own, const Scratch& scratch) {
+    std::copy(scratch.contact.begin(), scratch.contact.end(), contact_.data() + own.contact_begin);
+  };
+  const auto listSlab = [&](size_t s) -> const Scratch& {
+    Scratch& scratch = scratch_[threadIndex()];
+    list(static_cast<uint32_t>(s), bodies, going, scratch);
+    for (ColliderContact& contact : scratch.contact) takeOver(contact, over);
+    return scratch;
+  };
   parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
-    list(uint32_t(s), bodies, going);
-    for (ColliderContact& contact : slab[s].contact) {
-      if (!swept_[contact.collider].fresh) continue;
-      const uint32_t was = searched ? before[contact.grain] : contact.grain;
-      if (was != kNoSlot) {
-        if (const ColliderContact* last = formerly(was, contact.key, slabs_before)) {
-          contact.impulse = last->impulse;
-          contact.rolling = last->rolling;
-          contact.trust = last->trust;
-          contact.normal = last->normal;
-          continue;
-        }
-      }
-      auto at = std::lower_bound(joining.begin(), joining.end(), contact.grain,
-                                 [](const JoiningWall& a, uint32_t g) { return a.grain < g; });
-      for (; at != joining.end() && at->grain == contact.grain; ++at) {
-        if (at->key != contact.key) continue;
-        contact.impulse = at->impulse;
-        contact.rolling = at->rolling;
-        contact.trust = 1;
-        contact.normal = at->normal;
-      }
-    }
-  }, worthOf(bodies.count, kFewGrains));
-  contact_count = 0;
-  for (uint32_t s = 0; s < slab_count; ++s) contact_count += slab[s].contact.size();
+    const Scratch& scratch = listSlab(s);
+    ColliderSlab& own = slab[s];
+    own.bounces.clear();
+    own.contact_size = scratch.contact.size();
+    own.contact_begin = listed.fetch_add(own.contact_size, std::memory_order_relaxed);
+    if (own.contact_begin + own.contact_size <= room) copy(own, scratch);
+  }, worth);
+  contact_count = listed;
+  if (contact_count > room) {
+    contact_.extend(contact_count);
+    parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
+      const ColliderSlab& own = slab[s];
+      if (own.contact_begin + own.contact_size > room) copy(own, listSlab(s));
+    }, worth);
+  }
+  shareOut();
 }
 
-void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going) {
-  ColliderSlab& own = slab[s];
-  own.bounces.clear();
+ColliderLists::ColliderLists(const ColliderLists& other) : ColliderArrays(other) { shareOut(); }
+
+void ColliderLists::shareOut() {
+  for (ColliderSlab& own : slab) {
+    own.contact = {contact_.data() + own.contact_begin, own.contact_size};
+    own.was = {};
+  }
+}
+
+void ColliderLists::takeOver(ColliderContact& contact, const TakeOver& over) const {
+  if (!swept_[contact.collider].fresh) return;
+  const uint32_t was = over.searched ? over.before[contact.grain] : contact.grain;
+  if (was != kNoSlot) {
+    if (const ColliderContact* last = formerly(was, contact.key, over.slabs)) {
+      contact.impulse = last->impulse;
+      contact.rolling = last->rolling;
+      contact.trust = last->trust;
+      contact.normal = last->normal;
+      return;
+    }
+  }
+  auto at = std::lower_bound(over.joining.begin(), over.joining.end(), contact.grain,
+                             [](const JoiningWall& a, uint32_t g) { return a.grain < g; });
+  for (; at != over.joining.end() && at->grain == contact.grain; ++at) {
+    if (at->key != contact.key) continue;
+    contact.impulse = at->impulse;
+    contact.rolling = at->rolling;
+    contact.trust = 1;
+    contact.normal = at->normal;
+  }
+}
+
+void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going,
+                         Scratch& scratch) const {
+  const ColliderSlab& own = slab[s];
+  std::vector<uint32_t>& near = scratch.near;
+  scratch.contact.clear();
   Bounds bounds{vec3(3e38f), vec3(-3e38f)};
   for (uint32_t i = own.begin; i < own.end; ++i) {
     if (!isAwake(bodies, i)) continue;
@@ -156,7 +203,7 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going) {
     bounds.min = glm::min(bounds.min, at - reach);
     bounds.max = glm::max(bounds.max, at + reach);
   }
-  own.near.clear();
+  near.clear();
   if (!(bounds.min.x <= bounds.max.x)) return;  // nobody is awake
   const vec3 centre = 0.5f * (bounds.min + bounds.max);
   const float around = 1.001f * glm::length(bounds.max - centre);
@@ -165,23 +212,23 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going) {
     // Whatever lies farther than the corners from the centre is apart from all within.
     if (!swept.fresh || (!apart(bounds, swept.bounds) &&
                          !(distanceTo(swept.begin, centre, 2 * (around + swept.motion)) > around + swept.motion)))
-      own.near.push_back(k);
+      near.push_back(k);
   }
-  if (own.near.empty()) return;
+  if (near.empty()) return;
   auto stays = own.was.begin();
   for (uint32_t i = own.begin; i < own.end; ++i) {
     if (!isAwake(bodies, i)) continue;
     const float reach = reachOf(bodies, i, going);
     const vec3 at = bodies.reference[i].position + going.drifted;
     const Bounds own_bounds{at - reach, at + reach};
-    for (const uint32_t k : own.near) {
+    for (const uint32_t k : near) {
       const Swept& swept = swept_[k];
       if (!swept.fresh) {
         while (stays != own.was.end() &&
                (stays->grain < i || (stays->grain == i && stays->collider < k)))
           ++stays;
         for (; stays != own.was.end() && stays->grain == i && stays->collider == k; ++stays)
-          own.contact.push_back(*stays);
+          scratch.contact.push_back(*stays);
         continue;
       }
       if (apart(own_bounds, swept.bounds) ||
@@ -201,13 +248,13 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going) {
       contact.guarded = collider.shape == Shape::Field || swept.thickness < 0.5f * radius ||
                         swept.motion * going.share > 0.5f * radius;
       if (collider.shape != Shape::Field) {
-        own.contact.push_back(contact);
+        scratch.contact.push_back(contact);
         continue;
       }
       const uint32_t parts = std::min(collider.field->mostTouches(), DistanceField::kMostTouches);
       for (uint32_t part = 0; part < parts; ++part) {
         contact.key = partKey(collider.key, part);
-        own.contact.push_back(contact);
+        scratch.contact.push_back(contact);
       }
     }
   }
@@ -216,7 +263,7 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going) {
 bool ColliderLists::misses(uint32_t slot, uint32_t in_slab, vec3 position, float reach) const {
   const float around = reach + extra_;
   const Bounds bounds{position - around, position + around};
-  const std::vector<ColliderContact>& listed = slab[in_slab].contact;
+  const std::span<const ColliderContact> listed = slab[in_slab].contact;
   for (uint32_t k = 0; k < swept_.size(); ++k) {
     const Swept& swept = swept_[k];
     if (lacksField(swept.collider)) return true;
@@ -238,7 +285,7 @@ const ColliderContact* ColliderLists::formerly(uint32_t slot, uint32_t key, uint
       slab.begin(), slab.begin() + slabs, slot,
       [](uint32_t at, const ColliderSlab& one) { return at < one.was_begin; });
   if (above == slab.begin()) return nullptr;
-  const std::vector<ColliderContact>& from = std::prev(above)->was;
+  const std::span<const ColliderContact> from = std::prev(above)->was;
   auto it = std::lower_bound(from.begin(), from.end(), slot,
                              [](const ColliderContact& a, uint32_t at) { return a.grain < at; });
   for (; it != from.end() && it->grain == slot; ++it)
@@ -247,11 +294,12 @@ const ColliderContact* ColliderLists::formerly(uint32_t slot, uint32_t key, uint
 }
 
 size_t ColliderLists::memoryBytes() const {
-  size_t bytes = swept_.capacity() * sizeof(Swept);
+  size_t bytes = swept_.capacity() * sizeof(Swept) + contact_.memoryBytes() + was_.memoryBytes() +
+                 slab.capacity() * sizeof(ColliderSlab);
+  for (const Scratch& scratch : scratch_)
+    bytes += scratch.contact.capacity() * sizeof(ColliderContact) + scratch.near.capacity() * sizeof(uint32_t);
   for (const ColliderSlab& s : slab)
-    bytes += (s.contact.capacity() + s.was.capacity()) * sizeof(ColliderContact) +
-             s.near.capacity() * sizeof(uint32_t) + s.bounces.capacity() * sizeof(Bounce) +
-             s.guards.capacity() * sizeof(Guard);
+    bytes += s.bounces.capacity() * sizeof(Bounce) + s.guards.capacity() * sizeof(Guard);
   return bytes;
 }
 

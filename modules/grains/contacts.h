@@ -130,12 +130,43 @@ struct KeptPairs {
   Room<vec3> rolling;      // of contact[k]; empty: nothing rolled
 };
 
-class PairLists {
+// What PairLists has. A copy's slabs have still their parts of the other's arrays.
+class PairArrays {
  public:
   std::vector<PairSlab> slab;
   uint32_t slab_count = 0;
   bool rolling = false, bouncing = false, cohesive = false;
   uint64_t pair_count = 0;
+
+ protected:
+  // Of a thread: the pairs that the grains of a slab find, and colours taken by grain of two slabs.
+  struct Scratch {
+    std::vector<uint32_t> found;
+    Room<uint64_t> taken;
+  };
+
+  uint32_t listed_ = 0;
+  KeptPairs kept_;
+  Room<uint32_t> by_slot_;  // in keep(): slot now of each slot in `old`; then: end of what it found in its slab
+  std::vector<Scratch> scratch_;  // by thread
+  size_t most_found_ = 0;         // by the grains of a slab
+  // Of all slabs, one after the other.
+  Room<uint32_t> i_, j_;
+  Room<uint8_t> trust_;
+  Room<RollingBatch> rolling_;
+  Room<BouncingBatch> bouncing_;
+  Room<CohesionBatch> cohesion_;
+  // The impulses' batches; before, during the build, the found pairs and then their colours.
+  Room<std::byte> impulse_;
+};
+
+class PairLists : public PairArrays {
+ public:
+  PairLists() = default;
+  PairLists(PairLists&&) = default;
+  PairLists& operator=(PairLists&&) = default;
+  PairLists(const PairLists& other);
+  PairLists& operator=(const PairLists& other) { return *this = PairLists(other); }
 
   // Finds all pairs of the grid of which a grain is awake and batches them; impulses are taken over
   // from `old` (which may be these lists themselves), whose slot of new slot k is before[k]
@@ -153,11 +184,6 @@ class PairLists {
   size_t memoryBytes() const;
 
  private:
-  // Of a thread: the pairs that the grains of a slab find, and colours taken by grain of two slabs.
-  struct Scratch {
-    std::vector<uint32_t> found;
-    Room<uint64_t> taken;
-  };
   void keep(const PairLists& old, std::span<const uint32_t> before,
             std::span<const JoiningPair> joining);
   void find(const Grid& grid, const Bodies& bodies);
@@ -180,20 +206,6 @@ class PairLists {
   // it. And their colours, by the slab whose batches they are for.
   uint32_t* found() { return reinterpret_cast<uint32_t*>(impulse_.data()); }
   uint32_t* colours() { return found() + pair_count; }
-
-  uint32_t listed_ = 0;
-  KeptPairs kept_;
-  Room<uint32_t> by_slot_;  // in keep(): slot now of each slot in `old`; then: end of what it found in its slab
-  std::vector<Scratch> scratch_;  // by thread
-  size_t most_found_ = 0;         // by the grains of a slab
-  // Of all slabs, one after the other.
-  Room<uint32_t> i_, j_;
-  Room<uint8_t> trust_;
-  Room<RollingBatch> rolling_;
-  Room<BouncingBatch> bouncing_;
-  Room<CohesionBatch> cohesion_;
-  // The impulses' batches; before, during the build, the found pairs and then their colours.
-  Room<std::byte> impulse_;
 };
 
 // One grain near one collider.
@@ -228,17 +240,17 @@ struct Guard {
 };
 
 struct ColliderSlab {
-  std::vector<ColliderContact> contact;  // by grain, then collider
+  std::span<ColliderContact> contact;  // by grain, then collider; a part of the array of ColliderLists
   std::vector<Bounce> bounces;
   std::vector<Guard> guards;
   bool driven = false;  // a guarded surface goes by more than a grain's radius in the substep
   uint32_t begin = 0, end = 0;  // slots of the slab's grains
   float deepest = 0;
 
-  // As listed before: impulses are taken over from there.
-  std::vector<ColliderContact> was;
+  // As listed before: impulses are taken over from there. While they are listed.
+  std::span<const ColliderContact> was;
   uint32_t was_begin = 0;
-  std::vector<uint32_t> near;  // colliders that may touch the slab
+  size_t contact_begin = 0, contact_size = 0;  // in the array
 };
 
 // How far grains go until the colliders are listed again.
@@ -250,10 +262,45 @@ struct Going {
   float share = 1;   // substep / tick
 };
 
-struct ColliderLists {
+// What ColliderLists has. A copy's slabs have still their parts of the other's array.
+class ColliderArrays {
+ public:
   std::vector<ColliderSlab> slab;
   uint32_t slab_count = 0;
   size_t contact_count = 0;
+
+  // A collider over the tick.
+  struct Swept {
+    Collider collider;
+    Bounds bounds;
+    float motion = 0;     // motionBound
+    float thickness = 0;  // thicknessOf
+    PosedCollider begin;  // pose at the tick's begin
+    bool fresh = true;    // not as it was at the last listing
+  };
+
+ protected:
+  // Of a thread.
+  struct Scratch {
+    std::vector<ColliderContact> contact;  // of a slab
+    std::vector<uint32_t> near;            // colliders that may touch it
+  };
+
+  std::vector<Swept> swept_;
+  float extra_ = 0;
+  bool lacking_ = false;  // fields, after restore()
+  Room<ColliderContact> contact_, was_;  // of all slabs
+  std::vector<Scratch> scratch_;         // by thread
+  size_t most_listed_ = 0;               // in a slab
+};
+
+class ColliderLists : public ColliderArrays {
+ public:
+  ColliderLists() = default;
+  ColliderLists(ColliderLists&&) = default;
+  ColliderLists& operator=(ColliderLists&&) = default;
+  ColliderLists(const ColliderLists& other);
+  ColliderLists& operator=(const ColliderLists& other) { return *this = ColliderLists(other); }
 
   // Lists the grains awake that come within reach of a collider's surface during the tick from
   // wherever their margin lets them be (or, if they are faster, where a substep takes them): around
@@ -266,15 +313,6 @@ struct ColliderLists {
              std::span<const JoiningWall> joining);
   // The first tick after restore(): colliders as they were saved get their fields back.
   void bringFields(std::span<const Collider> colliders);
-  // A collider over the tick.
-  struct Swept {
-    Collider collider;
-    Bounds bounds;
-    float motion = 0;     // motionBound
-    float thickness = 0;  // thicknessOf
-    PosedCollider begin;  // pose at the tick's begin
-    bool fresh = true;    // not as it was at the last listing
-  };
   // Notes where the colliders go; true if any is not as it was. Part of build().
   bool sweep(std::span<const Collider> colliders);
   // Whether a grain of the slab comes within reach of a collider with which it is not listed.
@@ -290,12 +328,18 @@ struct ColliderLists {
 
  private:
   static void place(Swept& swept);
-  void list(uint32_t s, const Bodies& bodies, const Going& going);
+  // How contacts come by their impulses of before.
+  struct TakeOver {
+    bool searched;
+    std::span<const uint32_t> before;
+    std::span<const JoiningWall> joining;
+    uint32_t slabs;  // before
+  };
+  void list(uint32_t s, const Bodies& bodies, const Going& going, Scratch& scratch) const;
+  void takeOver(ColliderContact& contact, const TakeOver& over) const;
+  // Lets the slabs have their parts of the array.
+  void shareOut();
   const ColliderContact* formerly(uint32_t slot, uint32_t key, uint32_t slabs) const;
-
-  std::vector<Swept> swept_;
-  float extra_ = 0;
-  bool lacking_ = false;  // fields, after restore()
 };
 
 // The colliders' surfaces near each contact's grain at the substep's begin, and its guards.

@@ -177,7 +177,9 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
     const auto contacts = in.number<uint32_t>();
     if (!in.has(contacts, 63))
       return fmt::format("slab {}: {} contacts with colliders reach beyond the end", s, contacts);
-    own.contact.reserve(contacts);
+    own.contact_begin = contact_count;
+    own.contact_size = contacts;
+    contact_.extend(contact_count + contacts);
     for (uint32_t c = 0; c < contacts; ++c) {
       ColliderContact contact;
       contact.grain = in.number<uint32_t>();
@@ -196,7 +198,7 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
                            contact.grain, part, contact.collider);
       contact.key = partKey(colliders[contact.collider].key, part);
       const auto place = [](const ColliderContact& x) { return std::tuple(x.grain, x.collider, x.key); };
-      if (c > 0 && place(own.contact.back()) >= place(contact))
+      if (c > 0 && place(contact_[contact_count + c - 1]) >= place(contact))
         return fmt::format("slab {}: contacts with colliders are out of order at {}", s, c);
       if (in_force && !isAwake(bodies, contact.grain))
         return fmt::format("slab {}, contact {} with a collider: the grain sleeps", s, c);
@@ -207,10 +209,11 @@ std::string ColliderLists::restore(ByteReader& in, std::span<const uint32_t> sla
       contact.friction = mixed.x;
       contact.rolling_friction = mixed.y;
       contact.restitution = mixed.z;
-      own.contact.push_back(contact);
+      contact_[contact_count + c] = contact;
     }
     contact_count += contacts;
   }
+  shareOut();
   return {};
 }
 

@@ -22,6 +22,11 @@ std::span<T> makeRoom(Room<T>& room, size_t n, Contents contents) {
 
 }  // namespace
 
+PairLists::PairLists(const PairLists& other) : PairArrays(other) {
+  layOut(Contents::Keep);
+  layOutImpulses(Contents::Keep);
+}
+
 void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& old,
                       std::span<const uint32_t> before, std::span<const JoiningPair> joining) {
   keep(old, before, joining);

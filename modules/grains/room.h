@@ -24,6 +24,16 @@ class Room {
  public:
   Room() = default;
   Room(Room&& other) noexcept { *this = std::move(other); }
+  Room(const Room& other) { *this = other; }
+  Room& operator=(const Room& other) {
+    if (this == &other) return *this;
+    data_ = other.capacity_ > 0 ? allocate(other.capacity_) : nullptr;
+    std::copy_n(other.data_.get(), other.size_, data_.get());
+    size_ = other.size_;
+    capacity_ = other.capacity_;
+    roomy_ = other.roomy_;
+    return *this;
+  }
   Room& operator=(Room&& other) noexcept {
     data_ = std::move(other.data_);
     size_ = std::exchange(other.size_, 0);
