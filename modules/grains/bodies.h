@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/core/math.h"
 #include "engine/core/parallel.h"
 #include "engine/ecs/entity.h"
 #include "modules/grains/grains.h"
+#include "modules/grains/room.h"
 
 namespace scree::grains {
 
@@ -45,7 +47,57 @@ struct Bodies {
   std::vector<uint32_t> berth;  // of a sleeper, among Sleepers; kAwake; kGone
   std::vector<uint32_t> clump;  // of a member awake, among Clumps; kNoSlot; empty: no clump is awake
   uint32_t count = 0;  // grains
+
+  // Of what is known of a grain; of clumps it is found out anew.
+  template <class Visit>
+  void eachColumn(const Visit& visit) {
+    visit(body);
+    visit(entity);
+    visit(material);
+    visit(reference);
+    visit(berth);
+  }
+  void move(uint32_t from, uint32_t to) {
+    eachColumn([&](auto& column) { column[to] = column[from]; });
+  }
+  // Keeps the first n.
+  void cut(uint32_t n) {
+    const size_t smaller = need_.shrinks(count, entity.capacity());
+    count = n;
+    eachColumn([&](auto& column) {
+      column.resize(n);
+      if (smaller > 0) shrinkTo(column, smaller);
+    });
+  }
+  // From now on k is what order[k] was; in place, along the order's cycles. Uses the order up.
+  void permute(std::span<uint32_t> order);
+
+ private:
+  Need need_;
 };
+
+inline void Bodies::permute(std::span<uint32_t> order) {
+  for (uint32_t first = 0; first < order.size(); ++first) {
+    if (order[first] == first) continue;
+    const Body first_body = body[first];
+    const Entity first_entity = entity[first];
+    const GrainMaterial first_material = material[first];
+    const Reference first_reference = reference[first];
+    const uint32_t first_berth = berth[first];
+    uint32_t to = first;
+    for (uint32_t from = order[to]; from != first; from = order[to]) {
+      move(from, to);
+      order[to] = to;
+      to = from;
+    }
+    order[to] = to;
+    body[to] = first_body;
+    entity[to] = first_entity;
+    material[to] = first_material;
+    reference[to] = first_reference;
+    berth[to] = first_berth;
+  }
+}
 
 // Empty, for bodies that never sleep, counts as awake.
 inline bool isAwake(const Bodies& bodies, uint32_t slot) {

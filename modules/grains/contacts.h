@@ -118,16 +118,16 @@ struct JoiningWall {
   vec3 impulse, rolling, normal;
 };
 
-// Impulses of contacts between two searches, listed by the grain of the lower slot.
+// Impulses of contacts between two searches, listed by the grain of the lower slot. In the workspace.
 struct KeptPairs {
   struct Contact {
     uint32_t other;    // slot of the other grain; the top bit says whether the impulse is trusted
     vec3 impulse;      // on the listed grain, N s
   };
   static constexpr uint32_t kTrusted = 0x80000000u;
-  Room<uint32_t> begin;    // by slot
-  Room<Contact> contact;
-  Room<vec3> rolling;      // of contact[k]; empty: nothing rolled
+  std::span<uint32_t> begin;  // by slot; when all are listed, the end
+  std::span<Contact> contact;
+  std::span<vec3> rolling;    // of contact[k]; empty: nothing rolled
 };
 
 // What PairLists has. A copy's slabs have still their parts of the other's arrays.
@@ -146,8 +146,9 @@ class PairArrays {
   };
 
   uint32_t listed_ = 0;
+  // In the workspace, during the build.
   KeptPairs kept_;
-  Room<uint32_t> by_slot_;  // in keep(): slot now of each slot in `old`; then: end of what it found in its slab
+  std::span<uint32_t> found_end_;  // by slot, in its slab
   std::vector<Scratch> scratch_;  // by thread
   size_t most_found_ = 0;         // by the grains of a slab
   // Of all slabs, one after the other.
@@ -172,7 +173,7 @@ class PairLists : public PairArrays {
   // from `old` (which may be these lists themselves), whose slot of new slot k is before[k]
   // (kNoSlot: none), and from `joining`.
   void build(const Grid& grid, const Bodies& bodies, const PairLists& old,
-             std::span<const uint32_t> before, std::span<const JoiningPair> joining);
+             std::span<const uint32_t> before, std::span<const JoiningPair> joining, Workspace& workspace);
   // Of solver saves (saved.h). `rolling`, `bouncing` and `cohesive` are set before; slab s has the bodies from
   // slab_begin[s] to slab_begin[s + 1]; `in_force`: the passes will use these lists. Returns what is
   // wrong; empty: nothing.
@@ -185,7 +186,7 @@ class PairLists : public PairArrays {
 
  private:
   void keep(const PairLists& old, std::span<const uint32_t> before,
-            std::span<const JoiningPair> joining);
+            std::span<const JoiningPair> joining, Workspace& workspace);
   void find(const Grid& grid, const Bodies& bodies);
   void findOf(const Grid& grid, const Bodies& bodies, uint32_t s, std::vector<uint32_t>& found);
   template <class Visit>

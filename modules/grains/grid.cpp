@@ -23,27 +23,28 @@ constexpr size_t kSizeClasses = 16;
 
 }  // namespace
 
-void Grid::plan(const Bodies& bodies, std::span<const float> margin, std::vector<uint32_t>& order) {
+std::span<uint32_t> Grid::plan(const Bodies& bodies, Workspace& workspace) {
   const uint32_t n = bodies.count;
-  chooseLevels(bodies, margin);
+  const std::span<uint8_t> sorted_level_of = workspace.take<uint8_t>(n);
+  level_of_ = workspace.take<uint8_t>(n);
+  chooseLevels(bodies);
   chooseSizes(bodies);
   chooseSides();
 
-  refill(bucket_begin_, size_t{slabs_} * buckets_a_slab_ + 1, 0u);
-  bucket_of_.resize(n);
+  bucket_begin_ = workspace.take<uint32_t>(size_t{slabs_} * buckets_a_slab_ + 1, 0);
+  const std::span<uint32_t> order = workspace.take<uint32_t>(n), bucket_of = workspace.take<uint32_t>(n);
   for (uint32_t i = 0; i < n; ++i) {
     const Level& level = level_[level_of_[i]];
     const vec3 p = bodies.body[i].position;
     const uint32_t row =
         bucketRow(level, cellOf(p.y, level.inverse_cell), cellOf(p.z, level.inverse_cell));
-    bucket_of_[i] =
+    bucket_of[i] =
         row + (static_cast<uint32_t>(cellOf(p.x, level.inverse_cell)) & level.mask_x);
-    ++bucket_begin_[bucket_of_[i] + 1];
+    ++bucket_begin_[bucket_of[i] + 1];
   }
   for (size_t b = 1; b < bucket_begin_.size(); ++b) bucket_begin_[b] += bucket_begin_[b - 1];
-  order.resize(n);
-  for (uint32_t i = 0; i < n; ++i) order[bucket_begin_[bucket_of_[i]]++] = i;
-  for (size_t b = bucket_begin_.size() - 1; b > 0; --b) bucket_begin_[b] = bucket_begin_[b - 1];
+  for (uint32_t i = 0; i < n; ++i) order[bucket_begin_[bucket_of[i]]++] = i;
+  std::shift_right(bucket_begin_.begin(), bucket_begin_.end(), 1);
   bucket_begin_[0] = 0;
 
   // Within a bucket by entity: the result does not depend on the order before.
@@ -61,15 +62,14 @@ void Grid::plan(const Bodies& bodies, std::span<const float> margin, std::vector
       order[at] = moved;
     }
   }
-  sorted_level_of_.resize(n);
-  for (uint32_t k = 0; k < n; ++k) sorted_level_of_[k] = level_of_[order[k]];
-  level_of_.swap(sorted_level_of_);
-  // The search reads reaches in the new order: keep them aside until read().
-  reach_.resize(n + kMostLanes);
-  for (uint32_t k = 0; k < n; ++k) reach_[k] = bodies.body[order[k]].radius + margin[order[k]];
+  for (uint32_t k = 0; k < n; ++k) sorted_level_of[k] = level_of_[order[k]];
+  level_of_ = sorted_level_of;
+  slab_begin_.resize(slabs_ + 1);
+  for (uint32_t s = 0; s <= slabs_; ++s) slab_begin_[s] = bucket_begin_[size_t{s} * buckets_a_slab_];
+  return order;
 }
 
-void Grid::chooseLevels(const Bodies& bodies, std::span<const float> margin) {
+void Grid::chooseLevels(const Bodies& bodies) {
   const uint32_t n = bodies.count;
   // Cells are c 2^k; which c wastes least is decided by the sizes' mantissas: a cell that is wider
   // than a grain's size by a factor w costs w^3 distance tests. Integer sums and maxima only: they
@@ -78,7 +78,7 @@ void Grid::chooseLevels(const Bodies& bodies, std::span<const float> margin) {
   std::array<float, kSizeClasses> top{};
   float largest = 0;
   for (uint32_t i = 0; i < n; ++i) {
-    const float size = 2 * (bodies.body[i].radius + margin[i]);
+    const float size = 2 * (bodies.body[i].radius + bodies.reference[i].margin);
     const float mantissa = std::bit_cast<float>((std::bit_cast<uint32_t>(size) & 0x7fffffu) |
                                                 0x3f800000u);  // in [1, 2)
     const size_t c = static_cast<size_t>((mantissa - 1) * kSizeClasses);
@@ -109,9 +109,8 @@ void Grid::chooseLevels(const Bodies& bodies, std::span<const float> margin) {
   }();
 
   std::array<uint32_t, kMostLevels> members{};
-  level_of_.resize(n);
   for (uint32_t i = 0; i < n; ++i) {
-    const float size = 2 * (bodies.body[i].radius + margin[i]) * kSlack;
+    const float size = 2 * (bodies.body[i].radius + bodies.reference[i].margin) * kSlack;
     int halvings = 0;
     for (float c = cell; halvings + 1 < kMostLevels && 0.5f * c >= size; c *= 0.5f) ++halvings;
     level_of_[i] = static_cast<uint8_t>(halvings);
@@ -204,10 +203,8 @@ uint32_t Grid::bucketRow(const Level& level, int32_t y, int32_t z) const {
 }
 
 size_t Grid::memoryBytes() const {
-  return (bucket_begin_.capacity() + bucket_of_.capacity() + x_.capacity() + y_.capacity() +
-          z_.capacity() + radius_.capacity() + reach_.capacity()) *
-             4 +
-         level_of_.capacity() + sorted_level_of_.capacity();
+  return 4 * (slab_begin_.capacity() + x_.capacity() + y_.capacity() + z_.capacity() + radius_.capacity() +
+              reach_.capacity());
 }
 
 }  // namespace scree::grains

@@ -14,6 +14,7 @@
 
 #include "modules/grains/bodies.h"
 #include "modules/grains/kernels.h"
+#include "modules/grains/workspace.h"
 
 namespace scree::grains {
 
@@ -35,8 +36,9 @@ inline int32_t cellOf(double x, double inverse_cell) {
 class Grid {
  public:
   // Chooses levels and sizes for the grains (their position, radius and margin), and the order in
-  // which they are to be stored: order[new slot] = old slot. Ties go by entity index.
-  void plan(const Bodies& bodies, std::span<const float> margin, std::vector<uint32_t>& order);
+  // which they are to be stored: order[new slot] = old slot. Ties go by entity index. What is in the
+  // workspace then, the order excepted, is there for the search.
+  std::span<uint32_t> plan(const Bodies& bodies, Workspace& workspace);
 
   // After the bodies were put in that order: copies what the search reads.
   void read(const Bodies& bodies);
@@ -45,7 +47,7 @@ class Grid {
   void use(const Kernels& kernels) { kernels_ = &kernels; }
 
   uint32_t slabCount() const { return slabs_; }
-  uint32_t slabBegin(uint32_t slab) const { return bucket_begin_[slab * buckets_a_slab_]; }
+  uint32_t slabBegin(uint32_t slab) const { return slab_begin_[slab]; }
   uint32_t slabEnd(uint32_t slab) const { return slabBegin(slab + 1); }
   uint32_t slabOf(uint32_t slot) const {
     uint32_t begin = 0, end = slabs_;  // the last slab that begins no later, whole or empty
@@ -86,7 +88,7 @@ class Grid {
     std::array<uint8_t, kMostLevels> asks{};  // levels whose grains it looks for
     int ask_count = 0;
   };
-  void chooseLevels(const Bodies& bodies, std::span<const float> margin);
+  void chooseLevels(const Bodies& bodies);
   void chooseSizes(const Bodies& bodies);
   void chooseSides();
   uint32_t bucketRow(const Level& level, int32_t y, int32_t z) const;
@@ -99,11 +101,12 @@ class Grid {
   int level_count_ = 0;
   uint32_t slabs_ = 4;
   uint32_t buckets_a_slab_ = 0;
-  std::vector<uint32_t> bucket_begin_;
-  std::vector<uint32_t> bucket_of_;  // by old slot
-  std::vector<uint8_t> level_of_;    // by old slot, then by new slot
-  std::vector<uint8_t> sorted_level_of_;
+  std::vector<uint32_t> slab_begin_;  // one more than there are slabs
   std::vector<float> x_, y_, z_, radius_, reach_;
+  Need need_;  // of their lengths
+  // In the workspace.
+  std::span<uint32_t> bucket_begin_;
+  std::span<uint8_t> level_of_;  // by old slot in plan(), then by slot
 };
 
 }  // namespace scree::grains

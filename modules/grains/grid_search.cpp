@@ -6,20 +6,22 @@
 namespace scree::grains {
 
 void Grid::read(const Bodies& bodies) {
-  const uint32_t n = bodies.count;
-  x_.resize(n + kMostLanes);
-  y_.resize(n + kMostLanes);
-  z_.resize(n + kMostLanes);
-  radius_.resize(n + kMostLanes);
-  reach_.resize(n + kMostLanes);
-  for (uint32_t k = 0; k < n; ++k) {
-    const vec3 p = bodies.body[k].position;
-    x_[k] = p.x;
-    y_[k] = p.y;
-    z_[k] = p.z;
-    radius_[k] = bodies.body[k].radius;
+  const uint32_t n = bodies.count, padded = n + kMostLanes;
+  const size_t smaller = need_.shrinks(padded, x_.capacity());
+  for (std::vector<float>* column : {&x_, &y_, &z_, &radius_, &reach_}) {
+    column->clear();
+    if (smaller > 0) shrinkTo(*column, smaller);
+    remake(*column, padded);
   }
-  for (uint32_t k = n; k < n + kMostLanes; ++k) {  // read by the last group, then masked out
+  for (uint32_t k = 0; k < n; ++k) {
+    const Reference& reference = bodies.reference[k];
+    x_[k] = reference.position.x;
+    y_[k] = reference.position.y;
+    z_[k] = reference.position.z;
+    radius_[k] = bodies.body[k].radius;
+    reach_[k] = radius_[k] + reference.margin;
+  }
+  for (uint32_t k = n; k < padded; ++k) {  // read by the last group, then masked out
     x_[k] = y_[k] = z_[k] = 0;
     radius_[k] = reach_[k] = 0;
   }
@@ -27,18 +29,9 @@ void Grid::read(const Bodies& bodies) {
 
 void Grid::restore(std::span<const uint32_t> slab_begin, const Bodies& bodies) {
   slabs_ = static_cast<uint32_t>(slab_begin.size() - 1);
-  buckets_a_slab_ = 1;
-  bucket_begin_.assign(slab_begin.begin(), slab_begin.end());
+  slab_begin_.assign(slab_begin.begin(), slab_begin.end());
   level_count_ = 0;
-  const uint32_t n = slab_begin.back();
-  read(bodies);  // radii; those awake may have moved since
-  for (uint32_t k = 0; k < n; ++k) {
-    const Reference& reference = bodies.reference[k];
-    x_[k] = reference.position.x;
-    y_[k] = reference.position.y;
-    z_[k] = reference.position.z;
-    reach_[k] = bodies.body[k].radius + reference.margin;
-  }
+  read(bodies);
 }
 
 // Collects the ranges to look at, so that the kernel is called for many at once.
@@ -143,7 +136,7 @@ bool Grid::moveAlone(uint32_t slot, vec3 position, float reach, std::vector<uint
   met.clear();
   Finder finder(*this, slot, met);
   finder.look(0, slot);
-  finder.look(slot + 1, bucket_begin_.back());
+  finder.look(slot + 1, slab_begin_.back());
   finder.finish();
   return met.empty();
 }

@@ -28,8 +28,9 @@ PairLists::PairLists(const PairLists& other) : PairArrays(other) {
 }
 
 void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& old,
-                      std::span<const uint32_t> before, std::span<const JoiningPair> joining) {
-  keep(old, before, joining);
+                      std::span<const uint32_t> before, std::span<const JoiningPair> joining,
+                      Workspace& workspace) {
+  keep(old, before, joining, workspace);
   slab_count = grid.slabCount();
   if (slab.size() < slab_count) slab.resize(slab_count);
   listed_ = bodies.count;
@@ -40,6 +41,7 @@ void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& o
     cohesive = cohesive || material.cohesion > 0;
   }
   rolling = rolling || bouncing || cohesive;
+  found_end_ = workspace.take<uint32_t>(bodies.count);
   find(grid, bodies);
   uint64_t colours = 0;
   for (uint32_t s = 0; s < slab_count; ++s) {
@@ -88,16 +90,12 @@ void PairLists::layOutImpulses(Contents contents) {
 // Lists the impulses of `old` by the slots of now. The order within a grain's list may vary with
 // the threads; nothing depends on it.
 void PairLists::keep(const PairLists& old, std::span<const uint32_t> before,
-                     std::span<const JoiningPair> joining) {
+                     std::span<const JoiningPair> joining, Workspace& workspace) {
   const uint32_t n = static_cast<uint32_t>(before.size());
-  kept_.begin.remake(n, 0);
-  const bool any = old.slab_count > 0 || !joining.empty();
-  if (!any) {
-    kept_.contact.remake(0);
-    kept_.rolling.remake(0);
-    return;
-  }
-  const std::span<uint32_t> slot_now = by_slot_.remake(old.listed_, kNoSlot);
+  kept_ = {};
+  if (old.slab_count == 0 && joining.empty()) return;
+  kept_.begin = workspace.take<uint32_t>(n, 0);
+  const std::span<uint32_t> slot_now = workspace.take<uint32_t>(old.listed_, kNoSlot);
   for (uint32_t k = 0; k < n; ++k)
     if (before[k] != kNoSlot) slot_now[before[k]] = k;
 
@@ -120,13 +118,13 @@ void PairLists::keep(const PairLists& old, std::span<const uint32_t> before,
   eachContact([&](const PairSlab&, uint32_t, uint32_t i, uint32_t j) { next(std::min(i, j)); });
   for (const JoiningPair& pair : joining) next(std::min(pair.i, pair.j));
   uint32_t total = 0;
-  for (uint32_t& begin : kept_.begin.all()) {
+  for (uint32_t& begin : kept_.begin) {
     const uint32_t count = begin;
     begin = total;
     total += count;
   }
-  kept_.contact.remake(total);
-  kept_.rolling.remake(old.rolling || !joining.empty() ? total : 0, vec3(0));
+  kept_.contact = workspace.take<KeptPairs::Contact>(total);
+  kept_.rolling = workspace.take<vec3>(old.rolling || !joining.empty() ? total : 0, vec3(0));
   eachContact([&](const PairSlab& from, uint32_t c, uint32_t i, uint32_t j) {
     const uint32_t at = next(std::min(i, j)), b = c / kBatch, lane = c % kBatch;
     const float sign = i < j ? 1.0f : -1.0f;
@@ -162,9 +160,9 @@ void PairLists::find(const Grid& grid, const Bodies& bodies) {
   }
   for (Scratch& scratch : scratch_) scratch.found.reserve(most_found_);
 
-  by_slot_.remake(bodies.count);
   std::atomic<uint64_t> found_so_far = 0;
-  const uint64_t room = impulse_.capacity() / (2 * sizeof(uint32_t));  // beside the colours
+  impulse_.extend(impulse_.capacity());
+  const uint64_t room = impulse_.size() / (2 * sizeof(uint32_t));  // beside the colours
   const auto copy = [&](const PairSlab& own, const std::vector<uint32_t>& pairs) {
     std::copy(pairs.begin(), pairs.end(), found() + own.found_begin);
   };
@@ -205,7 +203,7 @@ void PairLists::findOf(const Grid& grid, const Bodies& bodies, uint32_t s, std::
       found.erase(std::remove_if(found.begin() + before, found.end(),
                                  [&](uint32_t j) { return bodies.clump[slotOf(j)] == bodies.clump[i]; }),
                   found.end());
-    by_slot_[i] = static_cast<uint32_t>(found.size());
+    found_end_[i] = static_cast<uint32_t>(found.size());
     if (!grid.mixed()) continue;
     for (size_t k = static_cast<size_t>(before); k < found.size(); ++k)
       own.found_below += slotOf(found[k]) - below_begin < below_count;
@@ -221,7 +219,7 @@ void PairLists::eachPair(const Grid& grid, uint32_t s, const Visit& visit) {
     const uint32_t* pairs = found() + slab[by].found_begin;
     uint32_t at = 0;
     for (uint32_t i = grid.slabBegin(by); i < grid.slabEnd(by); ++i)
-      for (; at < by_slot_[i]; ++at) pair(i, pairs[at], slotOf(pairs[at]) - begin < count);
+      for (; at < found_end_[i]; ++at) pair(i, pairs[at], slotOf(pairs[at]) - begin < count);
   };
   uint32_t k = 0;
   if (!grid.mixed()) {
@@ -354,8 +352,7 @@ void PairLists::fill(uint32_t s, const Bodies& bodies) {
 }
 
 size_t PairLists::memoryBytes() const {
-  size_t bytes = kept_.begin.memoryBytes() + kept_.contact.memoryBytes() + kept_.rolling.memoryBytes() +
-                 by_slot_.memoryBytes() + i_.memoryBytes() + j_.memoryBytes() + impulse_.memoryBytes() +
+  size_t bytes = i_.memoryBytes() + j_.memoryBytes() + impulse_.memoryBytes() +
                  trust_.memoryBytes() + rolling_.memoryBytes() + bouncing_.memoryBytes() +
                  cohesion_.memoryBytes() + slab.capacity() * sizeof(PairSlab);
   for (const Scratch& scratch : scratch_) bytes += 4 * scratch.found.capacity() + scratch.taken.memoryBytes();

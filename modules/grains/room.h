@@ -9,11 +9,51 @@
 #include <span>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace scree::grains {
 
 // Capacity for n things whose number wavers a little: an eighth to spare.
 constexpr size_t roomFor(size_t n) { return n + n / 8; }
+
+// What was needed of late.
+class Need {
+ public:
+  // Notes that n are needed now. The capacity to shrink to, or 0: what there is stays.
+  size_t shrinks(size_t n, size_t capacity) {
+    most_ = std::max(most_, n);
+    if (++times_ < kTimes) return 0;
+    const size_t wanted = roomFor(std::exchange(most_, 0));
+    times_ = 0;
+    return wanted + wanted / 8 < capacity ? std::max<size_t>(wanted, 1) : 0;
+  }
+
+ private:
+  static constexpr uint32_t kTimes = 16;
+  size_t most_ = 0;
+  uint32_t times_ = 0;
+};
+
+// Lets a vector hold n, or one more, without doubling it.
+template <class T>
+void makeRoomFor(std::vector<T>& values, size_t n) {
+  if (n > values.capacity()) values.reserve(std::max<size_t>(roomFor(n), 8));
+}
+template <class T>
+void append(std::vector<T>& values, const T& value) {
+  const T kept = value;  // may lie in what is given up
+  makeRoomFor(values, values.size() + 1);
+  values.push_back(kept);
+}
+// Keeps what is in it.
+template <class T>
+void shrinkTo(std::vector<T>& values, size_t capacity) {
+  if (values.capacity() <= capacity) return;
+  std::vector<T> smaller;
+  smaller.reserve(std::max(capacity, values.size()));
+  smaller.assign(values.begin(), values.end());
+  values = std::move(smaller);
+}
 
 enum class Contents { Drop, Keep };
 
@@ -31,26 +71,25 @@ class Room {
     std::copy_n(other.data_.get(), other.size_, data_.get());
     size_ = other.size_;
     capacity_ = other.capacity_;
-    roomy_ = other.roomy_;
+    need_ = other.need_;
     return *this;
   }
   Room& operator=(Room&& other) noexcept {
     data_ = std::move(other.data_);
     size_ = std::exchange(other.size_, 0);
     capacity_ = std::exchange(other.capacity_, 0);
-    roomy_ = std::exchange(other.roomy_, 0);
+    need_ = other.need_;
     return *this;
   }
 
   // Makes it hold n, contents undefined.
   std::span<T> remake(size_t n) {
-    const bool roomy = n < capacity_ / 2 && capacity_ * sizeof(T) > kLittle;
-    roomy_ = roomy ? roomy_ + 1 : 0;
-    if (n > capacity_ || roomy_ > kLong) {
+    size_t wanted = need_.shrinks(n, capacity_);
+    if (n > capacity_) wanted = roomFor(n);
+    if (wanted > 0) {
       data_.reset();  // before there is the other
-      data_ = allocate(roomFor(n));
-      capacity_ = roomFor(n);
-      roomy_ = 0;
+      data_ = allocate(wanted);
+      capacity_ = wanted;
     }
     size_ = n;
     return all();
@@ -83,9 +122,6 @@ class Room {
   size_t memoryBytes() const { return capacity_ * sizeof(T); }
 
  private:
-  // So many times in a row less than half was needed: then it shrinks.
-  static constexpr uint32_t kLong = 8;
-  static constexpr size_t kLittle = 1024;  // bytes, which are not worth it
   // Of a cache line, so that no batch of lanes lies across two.
   static constexpr std::align_val_t kAlignment{64};
 
@@ -101,7 +137,7 @@ class Room {
 
   Data data_;
   size_t size_ = 0, capacity_ = 0;
-  uint32_t roomy_ = 0;
+  Need need_;
 };
 
 }  // namespace scree::grains

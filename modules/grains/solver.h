@@ -165,7 +165,7 @@ class GrainSolver {
   void addSleepersLoads(std::span<Collider> colliders, int substeps) const;
 
   // Searches, in solver_search.cpp.
-  void gatherNear(float h);
+  std::span<uint32_t> gatherNear(float h, std::span<uint32_t>& were);
   void chooseMargins(float h);
   float marginOf(const Body& grain, float h) const;
   bool followStrays(float h);
@@ -190,7 +190,7 @@ class GrainSolver {
   std::string restoreWoken(ByteReader& in, uint32_t handles);
   std::string restoreLists(ByteReader& in, uint32_t handles);
   // Puts idle bodies behind the grains.
-  void padBodies(Bodies& bodies) const;
+  void padBodies();
   // Forces, in forces.cpp.
   void findPushed(const StepParameters& parameters);
   void strikeBlows(std::span<const Blow> blows);
@@ -209,7 +209,7 @@ class GrainSolver {
   void measure();
 
   // A slot is a grain's place in the solver's arrays: sorted by cell, changed by each search.
-  Bodies bodies_, sorted_;
+  Bodies bodies_;
   Sleepers sleepers_;
   Clumps clumps_;
   std::vector<ClumpRow> clump_rows_;  // working memory
@@ -224,11 +224,8 @@ class GrainSolver {
   static constexpr uint32_t kBerthBit = 0x80000000u;
   size_t row_count_ = 0;          // when they were adopted
   // Working memory of a search.
-  std::vector<uint32_t> order_;   // slot -> slot before the sort
-  std::vector<uint32_t> before_;  // slot -> slot at the last search; kNoSlot: not in the lists
-  std::vector<uint32_t> before_sort_;
-  std::vector<uint32_t> moved_, slot_of_;  // slot before the search -> before the sort -> slot
-  std::vector<float> margin_;     // by slot, m
+  Workspace workspace_;
+  std::span<uint32_t> before_;    // slot -> slot at the last search; kNoSlot: not in the lists
   std::vector<PosedCollider> posed_, posed_end_;  // at the substep's begin; at its end, if guarded
   struct Driven {
     uint32_t slot;

@@ -56,12 +56,11 @@ uint32_t GrainSolver::appendBody(Entity entity, const GrainMaterial& material, v
   body.position = position;
   body.radius = radius;
   body.friction_root = std::sqrt(material.friction);
-  bodies_.body.push_back(body);
-  bodies_.entity.push_back(entity);
-  bodies_.material.push_back(material);
-  bodies_.reference.resize(slot);
-  bodies_.reference.push_back({position, 0});
-  bodies_.berth.push_back(kAwake);
+  append(bodies_.body, body);
+  append(bodies_.entity, entity);
+  append(bodies_.material, material);
+  append(bodies_.reference, {position, 0});
+  append(bodies_.berth, kAwake);
   return slot;
 }
 
@@ -254,10 +253,9 @@ size_t GrainSolver::memoryBytes() const {
            b.material.capacity() * sizeof(GrainMaterial) +
            b.reference.capacity() * sizeof(Reference) + 4 * (b.berth.capacity() + b.clump.capacity());
   };
-  return bodies(bodies_) + bodies(sorted_) + grid_.memoryBytes() + pairs_.memoryBytes() +
+  return bodies(bodies_) + workspace_.memoryBytes() + grid_.memoryBytes() + pairs_.memoryBytes() +
          walls_.memoryBytes() + sleepers_.memoryBytes() + clumps_.memoryBytes() +
-         4 * (order_.capacity() + before_.capacity() + before_sort_.capacity() + moved_.capacity() +
-              slot_of_.capacity() + margin_.capacity() + place_.capacity() + waking_.capacity() +
+         4 * (place_.capacity() + waking_.capacity() +
               partners_.capacity() + falling_.capacity() + strays_.capacity() +
               met_.capacity() + uneasy_.capacity() + to_book_.capacity()) +
          border_.capacity() * sizeof(BorderContact) + touches_.capacity() * sizeof(Touch) +

@@ -196,7 +196,7 @@ std::string GrainSolver::restoreLists(ByteReader& in, uint32_t) {
   if (std::string wrong = walls_.restore(in, begin, bodies_, !search_due_); !wrong.empty()) return wrong;
   if (std::string wrong = rigids_.restore(in); !wrong.empty()) return wrong;
   if (slabs > 0) grid_.restore(begin, bodies_);
-  if (!search_due_) padBodies(bodies_);
+  if (!search_due_) padBodies();
   return {};
 }
 

@@ -14,7 +14,6 @@ namespace scree::grains {
 // searches rare and lists long; see kLifetimes.
 void GrainSolver::chooseMargins(float h) {
   const uint32_t n = bodies_.count;  // all awake
-  margin_.resize(n);
   // Margins are measured from the mean motion, so that what falls together needs no search. Sums
   // are of integers: they do not depend on the order of the grains.
   constexpr float kScale = 1024;
@@ -52,8 +51,9 @@ void GrainSolver::chooseMargins(float h) {
   listed_awake_ = n;
   least_margin_way_ = 3e38f;
   for (uint32_t k = 0; k < n; ++k) {
-    margin_[k] = marginOf(bodies_.body[k], h);
-    least_margin_way_ = std::min(least_margin_way_, margin_[k]);
+    const float margin = marginOf(bodies_.body[k], h);
+    bodies_.reference[k] = {bodies_.body[k].position, margin};
+    least_margin_way_ = std::min(least_margin_way_, margin);
   }
 }
 
@@ -90,11 +90,12 @@ bool GrainSolver::followStrays(float h) {
   return true;
 }
 
-// Keeps the bodies awake, chooses their margins, and adds the sleepers within reach.
-void GrainSolver::gatherNear(float h) {
+// Keeps the bodies awake, chooses their margins, and adds the sleepers within reach. Returns the slots
+// after that by those before, and in `were` the slots before of those awake.
+std::span<uint32_t> GrainSolver::gatherNear(float h, std::span<uint32_t>& were) {
   const uint32_t listed = pairs_.bodyCount();
-  moved_.assign(bodies_.count, kNoSlot);
-  before_sort_.clear();
+  const std::span<uint32_t> moved = workspace_.take<uint32_t>(bodies_.count, kNoSlot);
+  were = workspace_.take<uint32_t>(bodies_.count);
   uint32_t n = 0;
   for (uint32_t k = 0; k < bodies_.count; ++k) {
     const uint32_t before = k < listed ? k : kNoSlot;
@@ -102,30 +103,21 @@ void GrainSolver::gatherNear(float h) {
       if (!isAsleep(bodies_, k)) continue;
       Sleeper& sleeper = sleepers_[bodies_.berth[k]];
       sleeper.slot = kNoSlot;
-      if (std::exchange(sleeper.propped, false)) to_book_.push_back(bodies_.berth[k]);
+      if (std::exchange(sleeper.propped, false)) append(to_book_, bodies_.berth[k]);
       sleeper.slot_before = before;
-      partners_.push_back(bodies_.berth[k]);
+      append(partners_, bodies_.berth[k]);
       continue;
     }
-    moved_[k] = n;
-    before_sort_.push_back(before);
-    if (n != k) {
-      bodies_.body[n] = bodies_.body[k];
-      bodies_.entity[n] = bodies_.entity[k];
-      bodies_.material[n] = bodies_.material[k];
-      bodies_.berth[n] = kAwake;
-    }
+    moved[k] = n;
+    were[n] = before;
+    if (n != k) bodies_.move(k, n);
     ++n;
   }
-  bodies_.count = n;
-  bodies_.body.resize(n);
-  bodies_.entity.resize(n);
-  bodies_.material.resize(n);
-  bodies_.berth.resize(n);
+  bodies_.cut(n);
   chooseMargins(h);
   for (uint32_t k = 0; k < n && sleepers_.count() > 0;) {
     Company company;
-    while (k < n && company.admits(bodies_.body[k], margin_[k])) ++k;
+    while (k < n && company.admits(bodies_.body[k], bodies_.reference[k].margin)) ++k;
     company.close();
     sleepers_.near(company.low(), company.high(), [&](uint32_t berth) {
       const Sleepers::Spot& spot = sleepers_.spot(berth);
@@ -136,59 +128,51 @@ void GrainSolver::gatherNear(float h) {
       bodies_.berth[sleeper.slot] = berth;
       bodies_.body[sleeper.slot].inverse_mass = 0;
       bodies_.body[sleeper.slot].gravity_scale = 0;
-      before_sort_.push_back(sleeper.slot_before);
-      margin_.push_back(0);
     });
   }
-  for (const uint32_t berth : partners_) sleepers_[berth].slot_before = kNoSlot;
-  partners_.clear();
+  return moved;
 }
 
-void GrainSolver::padBodies(Bodies& bodies) const {
-  const size_t n = bodies.count, padded = n + size_t{grid_.slabCount()} * kIdleBodies;
-  bodies.body.resize(padded);
+void GrainSolver::padBodies() {
+  const size_t n = bodies_.count, padded = n + size_t{grid_.slabCount()} * kIdleBodies;
+  makeRoomFor(bodies_.body, padded);
+  bodies_.body.resize(padded);
   for (size_t k = n; k < padded; ++k) {
     Body idle;
     idle.radius = 1;
     idle.position = vec3(1e6f * static_cast<float>((k - n) % kIdleBodies), 0, 0);
-    bodies.body[k] = idle;
+    bodies_.body[k] = idle;
   }
 }
 
 void GrainSolver::searchNeighbours(float h) {
-  gatherNear(h);
+  workspace_.reset();
+  std::span<uint32_t> were;
+  const std::span<uint32_t> moved = gatherNear(h, were);
   const uint32_t n = bodies_.count;
-  grid_.plan(bodies_, margin_, order_);
-  sorted_.count = n;
-  padBodies(sorted_);
-  sorted_.entity.resize(n);
-  sorted_.material.resize(n);
-  sorted_.reference.resize(n);
-  sorted_.berth.resize(n);
-  before_.resize(n);
-  slot_of_.resize(n);
+  before_ = workspace_.take<uint32_t>(n);
+  const std::span<uint32_t> slot_of = workspace_.take<uint32_t>(n);
+  const std::span<uint32_t> order = grid_.plan(bodies_, workspace_);
   for (uint32_t k = 0; k < n; ++k) {
-    const uint32_t from = order_[k];
-    sorted_.body[k] = bodies_.body[from];
-    sorted_.entity[k] = bodies_.entity[from];
-    sorted_.material[k] = bodies_.material[from];
-    sorted_.reference[k] = {bodies_.body[from].position, margin_[from]};
-    sorted_.berth[k] = bodies_.berth[from];
-    before_[k] = before_sort_[from];
-    slot_of_[from] = k;
-    if (sorted_.berth[k] == kAwake) {
-      place_[sorted_.entity[k].index] = k;
+    const uint32_t from = order[k], berth = bodies_.berth[from];
+    before_[k] = berth == kAwake ? were[from] : sleepers_[berth].slot_before;
+    slot_of[from] = k;
+    if (berth == kAwake) {
+      place_[bodies_.entity[from].index] = k;
     } else {
-      sleepers_[sorted_.berth[k]].slot = k;
+      sleepers_[berth].slot = k;
     }
   }
-  std::swap(bodies_, sorted_);
-  for (AwakeRow& awake : awake_) awake.slot = slot_of_[moved_[awake.slot]];
-  clumps_.follow(moved_, slot_of_);
+  for (const uint32_t berth : partners_) sleepers_[berth].slot_before = kNoSlot;
+  partners_.clear();
+  bodies_.permute(order);
+  padBodies();
+  for (AwakeRow& awake : awake_) awake.slot = slot_of[moved[awake.slot]];
+  clumps_.follow(moved, slot_of);
   clumps_.mark(bodies_);
   joinWoken();
   grid_.read(bodies_);
-  pairs_.build(grid_, bodies_, pairs_, before_, joining_pairs_);
+  pairs_.build(grid_, bodies_, pairs_, before_, joining_pairs_, workspace_);
   search_due_ = false;
   walls_due_ = true;
   searched_ = true;
@@ -227,6 +211,7 @@ void GrainSolver::listColliders(std::span<const Collider> colliders, float dt, f
   const float extra = std::sqrt(glm::dot(drift_, drift_)) * dt;
   const Going going{extra, drift_ * drift_time_, drift_, h, h / dt};
   walls_.build(grid_, bodies_, colliders, going, searched_, before_, joining_walls_);
+  before_ = {};
   searched_ = false;
   walls_due_ = false;
 }

@@ -77,28 +77,28 @@ std::vector<std::pair<uint32_t, uint32_t>> bruteForce(const Field& field, float 
 std::vector<std::pair<uint32_t, uint32_t>> search(const Field& field, float margin_share) {
   const uint32_t n = static_cast<uint32_t>(field.grain.size());
   Bodies bodies, sorted;
-  std::vector<float> margin(n);
   bodies.count = sorted.count = n;
   bodies.body.resize(n);
+  bodies.reference.resize(n);
   bodies.entity = field.entity;
   bodies.material = field.material;
   for (uint32_t k = 0; k < n; ++k) {
     bodies.body[k].position = field.grain[k].position;
     bodies.body[k].radius = field.grain[k].radius;
-    margin[k] = margin_share * field.grain[k].radius;
+    bodies.reference[k] = {field.grain[k].position, margin_share * field.grain[k].radius};
   }
   Grid grid;
-  std::vector<uint32_t> order;
+  Workspace workspace;
   const std::vector<uint32_t> before(n, kNoSlot);
-  grid.plan(bodies, margin, order);
-  for (const uint32_t from : order) {
+  for (const uint32_t from : grid.plan(bodies, workspace)) {
     sorted.body.push_back(bodies.body[from]);
     sorted.entity.push_back(bodies.entity[from]);
     sorted.material.push_back(bodies.material[from]);
+    sorted.reference.push_back(bodies.reference[from]);
   }
   grid.read(sorted);
   PairLists lists, none;
-  lists.build(grid, sorted, none, before, {});
+  lists.build(grid, sorted, none, before, {}, workspace);
   std::vector<std::pair<uint32_t, uint32_t>> pairs;
   for (uint32_t s = 0; s < lists.slab_count; ++s) {
     const PairSlab& slab = lists.slab[s];

@@ -66,21 +66,24 @@ TEST(Company, StaysSlim) {
 TEST(Search, SaysWhichNeighboursNearlyTouch) {
   constexpr uint32_t kCount = 1500;
   Bodies bodies, sorted;
-  const std::vector<float> margin(kCount, 0.02f);
   bodies.count = sorted.count = kCount;
   for (uint32_t k = 0; k < kCount; ++k) {
     bodies.body.push_back(sphereAt(1.8f * unitCube(3, k), 0.03f + 0.03f * unit(3, k, 3)));
+    bodies.reference.push_back({bodies.body[k].position, 0.02f});
     bodies.entity.push_back({k, 1});
   }
   for (const bool wide : {true, false}) {
     const Kernels* kernels = wide ? wideKernels() : &kBaselineKernels;
     if (kernels == nullptr) continue;
     Grid grid;
-    std::vector<uint32_t> order;
+    Workspace workspace;
     grid.use(*kernels);
-    grid.plan(bodies, margin, order);
     sorted.body.clear();
-    for (const uint32_t from : order) sorted.body.push_back(bodies.body[from]);
+    sorted.reference.clear();
+    for (const uint32_t from : grid.plan(bodies, workspace)) {
+      sorted.body.push_back(bodies.body[from]);
+      sorted.reference.push_back(bodies.reference[from]);
+    }
     grid.read(sorted);
     int near = 0, apart = 0;
     for (uint32_t slot = 0; slot < kCount; ++slot) {
