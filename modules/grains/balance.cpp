@@ -147,10 +147,10 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
   touches_.assign(outer.begin(), outer.end());
   eachOfClump(berth, [&](uint32_t member) {
     const Sleeper& own = sleeper_[member];
-    for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
-      const Sleeper& other = sleeper_[pair_.node[at].other];
+    for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].nextOf(member)) {
+      const Sleeper& other = sleeper_[pair_.node[at].other(member)];
       const vec3 normal = normalOf(own, other);
-      touches_.push_back({member, normal, pair_.node[at].impulse,
+      touches_.push_back({member, normal, pair_.node[at].impulseOn(member),
                           std::sqrt(own.material.friction * other.material.friction),
                           pullBetween(own, other), armOf(member, normal)});
     }
@@ -178,14 +178,12 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
   size_t k = outer.size();
   std::copy_n(touches_.begin(), k, outer.begin());
   eachOfClump(berth, [&](uint32_t member) {
-    for (uint32_t at = sleeper_[member].pairs; at != kNoSlot; at = pair_.node[at].next, ++k) {
+    for (uint32_t at = sleeper_[member].pairs; at != kNoSlot; at = pair_.node[at].nextOf(member), ++k) {
       PairNode& node = pair_.node[at];
-      node.impulse = touches_[k].impulse;
-      uint32_t back = sleeper_[node.other].pairs;
-      while (pair_.node[back].other != member) back = pair_.node[back].next;
-      pair_.node[back].impulse = -node.impulse;
-      weigh(node.other, gravity_step);
-      touched.push_back(firstOf(node.other));
+      node.impulse = node.side(member) == 0 ? touches_[k].impulse : -touches_[k].impulse;
+      const uint32_t other = node.other(member);
+      weigh(other, gravity_step);
+      touched.push_back(firstOf(other));
     }
     for (uint32_t at = sleeper_[member].walls; at != kNoSlot; at = wall_.node[at].next, ++k)
       pressWall(wall_.node[at], touches_[k].impulse);

@@ -12,17 +12,17 @@ namespace scree::grains {
 template <class Node>
 uint32_t Sleepers::Pool<Node>::take() {
   if (free == kNoSlot) {
-    node.emplace_back();
+    append(node, Node{});
     return static_cast<uint32_t>(node.size() - 1);
   }
   const uint32_t at = free;
-  free = node[at].next;
+  free = node[at].freeLink();
   return at;
 }
 
 template <class Node>
 void Sleepers::Pool<Node>::give(uint32_t at) {
-  node[at].next = free;
+  node[at].freeLink() = free;
   free = at;
 }
 
@@ -64,8 +64,8 @@ uint32_t Sleepers::lay(const Sleeper& sleeper) {
   uint32_t berth = free_;
   if (berth == kNoSlot) {
     berth = static_cast<uint32_t>(sleeper_.size());
-    sleeper_.emplace_back();
-    spot_.emplace_back();
+    append(sleeper_, Sleeper{});
+    append(spot_, Spot{});
   } else {
     free_ = spot_[berth].next;
   }
@@ -83,20 +83,37 @@ uint32_t Sleepers::lay(const Sleeper& sleeper) {
   return berth;
 }
 
-void Sleepers::insertPair(uint32_t owner, const PairNode& node) {
-  const uint32_t at = pair_.take();
-  pair_.node[at] = node;
+void Sleepers::insertPair(uint32_t owner, uint32_t at) {
+  const Entity other = sleeper_[pair_.node[at].other(owner)].entity;
   uint32_t* link = &sleeper_[owner].pairs;
-  while (*link != kNoSlot &&
-         sleeper_[pair_.node[*link].other].entity < sleeper_[node.other].entity)
-    link = &pair_.node[*link].next;
-  pair_.node[at].next = *link;
+  while (*link != kNoSlot && sleeper_[pair_.node[*link].other(owner)].entity < other)
+    link = &pair_.node[*link].nextOf(owner);
+  pair_.node[at].nextOf(owner) = *link;
   *link = at;
 }
 
+vec3 Sleepers::rollingOn(uint32_t owner, uint32_t at) const {
+  const vec3 rolling = at < rolling_.size() ? rolling_[at] : vec3(0);
+  return pair_.node[at].side(owner) == 0 ? rolling : -rolling;
+}
+
+void Sleepers::setRolling(uint32_t at, vec3 rolling) {
+  const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
+  const bool nothing = (bits(rolling.x) | bits(rolling.y) | bits(rolling.z)) == 0;
+  if (at >= rolling_.size()) {
+    if (nothing) return;  // as those beyond the end are
+    makeRoomFor(rolling_, at + 1);
+    rolling_.resize(at + 1, vec3(0));
+  }
+  rolling_[at] = rolling;
+}
+
 void Sleepers::lean(uint32_t a, uint32_t b, vec3 impulse, vec3 rolling) {
-  insertPair(a, {b, kNoSlot, impulse, rolling});
-  insertPair(b, {a, kNoSlot, -impulse, -rolling});
+  const uint32_t at = pair_.take();
+  pair_.node[at] = {{a, b}, {kNoSlot, kNoSlot}, impulse};
+  setRolling(at, rolling);
+  insertPair(a, at);
+  insertPair(b, at);
   ++contacts_;
 }
 
@@ -153,8 +170,10 @@ void Sleepers::weigh(uint32_t berth, vec3 gravity_step) {
   };
   for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next)
     add(wall_.node[at].normal, wall_.node[at].impulse, wall_.node[at].rolling);
-  for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next)
-    add(normalOf(own, sleeper_[pair_.node[at].other]), pair_.node[at].impulse, pair_.node[at].rolling);
+  for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].nextOf(berth)) {
+    const PairNode& node = pair_.node[at];
+    add(normalOf(own, sleeper_[node.other(berth)]), node.impulseOn(berth), rollingOn(berth, at));
+  }
 }
 
 void Sleepers::pressWall(WallNode& node, vec3 impulse) {
@@ -175,19 +194,20 @@ uint32_t Sleepers::groundUnder(uint32_t berth, vec3 up) const {
     uint32_t next = kNoSlot, ground = kNoSlot;
     eachOfClump(berth, [&](uint32_t member) {
       const Sleeper& own = sleeper_[member];
-      for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) {
-        const Sleeper& other = sleeper_[pair_.node[at].other];
-        const float bears = glm::dot(pair_.node[at].impulse, up);
+      for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].nextOf(member)) {
+        const uint32_t next_way = pair_.node[at].other(member);
+        const Sleeper& other = sleeper_[next_way];
+        const float bears = glm::dot(pair_.node[at].impulseOn(member), up);
         if (!(bears > second) || !(glm::dot(own.position - other.position, up) > 0)) continue;
         if (!(bears > most)) {
           second = bears;
-          other_way = pair_.node[at].other;
+          other_way = next_way;
           continue;
         }
         if (next != kNoSlot) other_way = next;
         second = most;
         most = bears;
-        next = pair_.node[at].other;
+        next = next_way;
         ground = kNoSlot;
       }
       for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) {
@@ -246,16 +266,15 @@ void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<W
   unbook(berth);
   Sleeper& own = sleeper_[berth];
   for (uint32_t at = own.pairs, next = kNoSlot; at != kNoSlot; at = next) {
-    const PairNode node = pair_.node[at];
-    next = node.next;
+    const PairNode& node = pair_.node[at];
+    next = node.nextOf(berth);
+    const uint32_t other = node.other(berth);
+    pairs.push_back({own.entity, sleeper_[other].entity, node.impulseOn(berth), rollingOn(berth, at)});
+    uint32_t* link = &sleeper_[other].pairs;
+    while (*link != at) link = &pair_.node[*link].nextOf(other);
+    *link = node.nextOf(other);
     pair_.give(at);
-    pairs.push_back({own.entity, sleeper_[node.other].entity, node.impulse, node.rolling});
-    uint32_t* link = &sleeper_[node.other].pairs;
-    while (pair_.node[*link].other != berth) link = &pair_.node[*link].next;
-    const uint32_t other = *link;
-    *link = pair_.node[other].next;
-    pair_.give(other);
-    partners.push_back(node.other);
+    partners.push_back(other);
     --contacts_;
   }
   for (uint32_t at = own.walls, next = kNoSlot; at != kNoSlot; at = next) {
@@ -288,7 +307,7 @@ void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<W
 
 size_t Sleepers::memoryBytes() const {
   return sleeper_.capacity() * sizeof(Sleeper) + spot_.capacity() * sizeof(Spot) +
-         pair_.node.capacity() * sizeof(PairNode) + wall_.node.capacity() * sizeof(WallNode) +
+         pair_.node.capacity() * sizeof(PairNode) + rolling_.capacity() * sizeof(vec3) + wall_.node.capacity() * sizeof(WallNode) +
          wall_load_.capacity() * sizeof(WallLoad) + bucket_.capacity() * sizeof(uint32_t) +
          occupied_.capacity() * sizeof(uint64_t) + touches_.capacity() * sizeof(Touch);
 }

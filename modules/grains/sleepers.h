@@ -177,16 +177,24 @@ class Sleepers {
  private:
   std::string restorePairs(ByteReader& in);
   std::string restoreWalls(ByteReader& in);
+  // A contact of two sleepers, in the lists of both.
   struct PairNode {
-    uint32_t other = 0;  // berth
-    uint32_t next = kNoSlot;
-    vec3 impulse{0}, rolling{0};  // on the lists' owner
+    uint32_t berth[2] = {0, 0};
+    uint32_t next[2] = {kNoSlot, kNoSlot};  // in the list of each
+    vec3 impulse{0};  // on the first
+    uint32_t side(uint32_t owner) const { return berth[0] == owner ? 0 : 1; }
+    uint32_t other(uint32_t owner) const { return berth[1 - side(owner)]; }
+    uint32_t& nextOf(uint32_t owner) { return next[side(owner)]; }
+    uint32_t nextOf(uint32_t owner) const { return next[side(owner)]; }
+    vec3 impulseOn(uint32_t owner) const { return side(owner) == 0 ? impulse : -impulse; }
+    uint32_t& freeLink() { return next[0]; }
   };
   struct WallNode {
     uint32_t key = 0;
     uint32_t next = kNoSlot;
     vec3 impulse{0}, rolling{0}, normal{0};
     float friction = 0, pull = 0;
+    uint32_t& freeLink() { return next; }
   };
   template <class Node>
   struct Pool {
@@ -204,7 +212,10 @@ class Sleepers {
   void growTable();
   // Whether a node of a sleeper's list of walls, from this one on, is of a collider.
   bool leansOn(uint32_t node, uint32_t key) const;
-  void insertPair(uint32_t owner, const PairNode& node);
+  void insertPair(uint32_t owner, uint32_t at);
+  vec3 rollingOn(uint32_t owner, uint32_t at) const;
+  // On the first.
+  void setRolling(uint32_t at, vec3 rolling);
   // Keys of colliders, kNoSlot if no way leads down to one.
   uint32_t groundUnder(uint32_t berth, vec3 up) const;
   WallLoad& wallLoad(uint32_t key);
@@ -216,6 +227,7 @@ class Sleepers {
   uint32_t free_ = kNoSlot, count_ = 0, contacts_ = 0;
   uint64_t changes_ = 0;
   Pool<PairNode> pair_;
+  std::vector<vec3> rolling_;  // of pair_.node[k], on the first; empty: no contact of sleepers has ever rolled
   Pool<WallNode> wall_;
   std::vector<WallLoad> wall_load_;  // by key
   std::vector<Touch> touches_;       // working memory of balance()

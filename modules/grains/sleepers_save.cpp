@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <tuple>
 
 #include "modules/grains/saved.h"
@@ -26,18 +27,19 @@ void Sleepers::save(ByteWriter& out, std::vector<uint32_t>& saved_berth) const {
     out.number(own.booked_on);
     out.number(own.booked);
     out.number(static_cast<uint8_t>(own.propped));
-    for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].next) ++pairs;
+    for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].nextOf(berth)) ++pairs;
     for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) ++walls;
   });
   out.number(pairs / 2);
   each([&](uint32_t berth) {
-    for (uint32_t at = sleeper_[berth].pairs; at != kNoSlot; at = pair_.node[at].next) {
+    for (uint32_t at = sleeper_[berth].pairs; at != kNoSlot; at = pair_.node[at].nextOf(berth)) {
       const PairNode& node = pair_.node[at];
-      if (node.other < berth) continue;
+      const uint32_t other = node.other(berth);
+      if (other < berth) continue;
       out.number(saved_berth[berth]);
-      out.number(saved_berth[node.other]);
-      out.number(node.impulse);
-      out.number(node.rolling);
+      out.number(saved_berth[other]);
+      out.number(node.impulseOn(berth));
+      out.number(rollingOn(berth, at));
     }
   });
   out.number(walls);
@@ -90,7 +92,7 @@ std::string Sleepers::restorePairs(ByteReader& in) {
   };
   std::vector<End> ends;
   ends.reserve(size_t{2} * count);
-  pair_.node.reserve(size_t{2} * count);
+  pair_.node.reserve(count);
   for (uint32_t k = 0; k < count; ++k) {
     const auto a = in.number<uint32_t>(), b = in.number<uint32_t>();
     const auto impulse = in.number<vec3>(), rolling = in.number<vec3>();
@@ -100,21 +102,29 @@ std::string Sleepers::restorePairs(ByteReader& in) {
       return fmt::format("contact {} of sleepers has an impulse that is not finite", k);
     const auto node = static_cast<uint32_t>(pair_.node.size());
     ends.push_back({a, node});
-    ends.push_back({b, node + 1});
-    pair_.node.push_back({b, kNoSlot, impulse, rolling});
-    pair_.node.push_back({a, kNoSlot, -impulse, -rolling});
+    ends.push_back({b, node});
+    // Which of the two is the first shows in the sign of a zero: nothing that rolls need not be kept.
+    const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
+    const bool turned = (bits(rolling.x) & bits(rolling.y) & bits(rolling.z)) == 0x80000000u && rolling == vec3(0);
+    if (turned) {
+      pair_.node.push_back({{b, a}, {kNoSlot, kNoSlot}, -impulse});
+    } else {
+      pair_.node.push_back({{a, b}, {kNoSlot, kNoSlot}, impulse});
+      setRolling(node, rolling);
+    }
   }
   std::sort(ends.begin(), ends.end(), [&](const End& a, const End& b) {
     if (a.owner != b.owner) return a.owner < b.owner;
-    const uint32_t x = pair_.node[a.node].other, y = pair_.node[b.node].other;
+    const uint32_t x = pair_.node[a.node].other(a.owner), y = pair_.node[b.node].other(b.owner);
     return std::tie(sleeper_[x].entity, x) < std::tie(sleeper_[y].entity, y);
   });
   for (size_t k = ends.size(); k-- > 0;) {  // from the last: each goes to the front of its list
-    uint32_t& first = sleeper_[ends[k].owner].pairs;
+    const uint32_t owner = ends[k].owner;
+    uint32_t& first = sleeper_[owner].pairs;
     PairNode& node = pair_.node[ends[k].node];
-    if (first != kNoSlot && pair_.node[first].other == node.other)
-      return fmt::format("sleepers {} and {} touch twice", ends[k].owner, node.other);
-    node.next = first;
+    if (first != kNoSlot && pair_.node[first].other(owner) == node.other(owner))
+      return fmt::format("sleepers {} and {} touch twice", owner, node.other(owner));
+    node.nextOf(owner) = first;
     first = ends[k].node;
   }
   contacts_ += count;
