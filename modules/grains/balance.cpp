@@ -195,16 +195,20 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
 // Sleepers on which those awake press otherwise than before.
 void GrainSolver::findUnbalanced(vec3 gravity_step) {
   if (sleepers_.count() == 0) return;
-  border_.clear();
+  size_t borders = 0, contacts = 0;
+  for (uint32_t s = 0; s < pairs_.slab_count; ++s) borders += pairs_.slab[s].border.size();
+  const Workspace::Mark before = workspace_.mark();
+  border_ = workspace_.take<BorderContact>(borders);
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
     const PairSlab& slab = pairs_.slab[s];
     for (const uint32_t c : slab.border) {
       const bool first = isAsleep(bodies_, slab.i[c]);
       const uint32_t sleeper = first ? slab.i[c] : slab.j[c], other = first ? slab.j[c] : slab.i[c];
       if (!isAsleep(bodies_, sleeper) || !isAwake(bodies_, other)) continue;
-      border_.push_back({bodies_.entity[sleeper], bodies_.entity[other], bodies_.berth[sleeper], s, c, first});
+      border_[contacts++] = {bodies_.entity[sleeper], bodies_.entity[other], bodies_.berth[sleeper], s, c, first};
     }
   }
+  border_ = border_.first(contacts);
   std::sort(border_.begin(), border_.end(), [](const BorderContact& a, const BorderContact& b) {
     return a.sleeper != b.sleeper ? a.sleeper < b.sleeper : a.other < b.other;
   });
@@ -216,9 +220,9 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
     const BorderContact& contact = border_[k];
     Sleeper& sleeper = sleepers_[contact.berth];
     if (k == 0 || contact.berth != border_[k - 1].berth) {
-      uneasy_.push_back(sleepers_.firstOf(contact.berth));
-      if (std::exchange(sleeper.propped, false)) falling_.push_back(contact.berth);
-      pressed_.push_back({contact.berth, vec3(0)});
+      append(uneasy_, sleepers_.firstOf(contact.berth));
+      if (std::exchange(sleeper.propped, false)) append(falling_, contact.berth);
+      append(pressed_, {contact.berth, vec3(0)});
     }
     const vec3 impulse = pairs_.slab[contact.slab].impulseAt(contact.contact);
     sleeper.propped = sleeper.propped || impulse != vec3(0);
@@ -234,7 +238,7 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
         waking_.push_back(berth);
         continue;
       }
-      sleepers_.eachOfClump(berth, [&](uint32_t member) { falling_.push_back(member); });
+      sleepers_.eachOfClump(berth, [&](uint32_t member) { append(falling_, member); });
       for (size_t k = 0; k < touches_.size(); ++k) {
         const BorderContact& contact = *touching_[k];
         pairs_.slab[contact.slab].setImpulse(contact.contact,
@@ -242,10 +246,12 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
       }
     }
     for (const uint32_t berth : partners_)
-      sleepers_.eachOfClump(berth, [&](uint32_t member) { falling_.push_back(member); });
+      sleepers_.eachOfClump(berth, [&](uint32_t member) { append(falling_, member); });
     std::swap(uneasy_, partners_);
   }
   partners_.clear();
+  border_ = {};
+  workspace_.giveBack(before);
   bookLeftOver(gravity_step);
   for (const Pressed& pressed : pressed_) sleepers_.book(pressed.berth, gravity_step, pressed.impulse);
 }

@@ -125,7 +125,7 @@ template <class T>
 void refill(std::vector<T>& values, size_t n, T value) {
   if (values.capacity() < n) {
     values.clear();
-    values.reserve(n + n / 8);
+    values.reserve(roomFor(n));
   }
   values.assign(n, value);
 }
@@ -134,7 +134,7 @@ template <class T>
 void remake(std::vector<T>& values, size_t n) {
   if (values.capacity() < n) {
     values.clear();
-    values.reserve(n + n / 8);
+    values.reserve(roomFor(n));
   }
   values.resize(n);
 }

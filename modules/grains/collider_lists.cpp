@@ -100,7 +100,7 @@ const ColliderLists::Swept* ColliderLists::sweptLast(const Collider& collider) c
 void ColliderLists::build(const Grid& grid, const Bodies& bodies,
                           std::span<const Collider> colliders, const Going& going, bool searched,
                           std::span<const uint32_t> before,
-                          std::span<const JoiningWall> joining) {
+                          std::span<const JoiningWall> joining, Workspace& workspace) {
   const bool changed = sweep(colliders), wider = going.extra > 0 || extra_ > 0;
   if (!searched && !changed && !wider) return;
   if (searched || wider)
@@ -109,10 +109,11 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
   const TakeOver over{searched, before, joining, slab_count};
   slab_count = grid.slabCount();
   if (slab.size() < slab_count) slab.resize(slab_count);
-  std::swap(was_, contact_);
+  const std::span<ColliderContact> was = workspace.take<ColliderContact>(contact_count);
+  std::ranges::copy(contact_.all().first(contact_count), was.begin());
   for (uint32_t s = 0; s < slab.size(); ++s) {
     ColliderSlab& own = slab[s];
-    own.was = own.contact;
+    own.was = was.subspan(own.contact_begin, own.contact_size);
     own.contact = {};
     own.contact_size = 0;
     own.was_begin = own.begin;
@@ -121,8 +122,10 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
   }
   const Worth worth = worthOf(bodies.count, kFewGrains);
   scratch_.resize(worth == Worth::OneThread ? 1 : static_cast<size_t>(threadCount()));
-  for (const Scratch& scratch : scratch_) most_listed_ = std::max(most_listed_, scratch.contact.capacity());
-  for (Scratch& scratch : scratch_) scratch.contact.reserve(most_listed_);
+  for (Scratch& scratch : scratch_) {
+    scratch.contact.clear();
+    fitTo(scratch.contact, most_listed_);
+  }
 
   // Each slab is listed by a thread, and then moved behind those that were listed earlier. Where there is
   // no room any more, it is made, and the slabs that are left are listed again.
@@ -148,6 +151,8 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
     if (own.contact_begin + own.contact_size <= room) copy(own, scratch);
   }, worth);
   contact_count = listed;
+  most_listed_ = 0;
+  for (uint32_t s = 0; s < slab_count; ++s) most_listed_ = std::max(most_listed_, slab[s].contact_size);
   if (contact_count > room) {
     contact_.extend(contact_count);
     parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
@@ -228,7 +233,7 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going,
                (stays->grain < i || (stays->grain == i && stays->collider < k)))
           ++stays;
         for (; stays != own.was.end() && stays->grain == i && stays->collider == k; ++stays)
-          scratch.contact.push_back(*stays);
+          append(scratch.contact, *stays);
         continue;
       }
       if (apart(own_bounds, swept.bounds) ||
@@ -248,13 +253,13 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going,
       contact.guarded = collider.shape == Shape::Field || swept.thickness < 0.5f * radius ||
                         swept.motion * going.share > 0.5f * radius;
       if (collider.shape != Shape::Field) {
-        scratch.contact.push_back(contact);
+        append(scratch.contact, contact);
         continue;
       }
       const uint32_t parts = std::min(collider.field->mostTouches(), DistanceField::kMostTouches);
       for (uint32_t part = 0; part < parts; ++part) {
         contact.key = partKey(collider.key, part);
-        scratch.contact.push_back(contact);
+        append(scratch.contact, contact);
       }
     }
   }
@@ -294,7 +299,7 @@ const ColliderContact* ColliderLists::formerly(uint32_t slot, uint32_t key, uint
 }
 
 size_t ColliderLists::memoryBytes() const {
-  size_t bytes = swept_.capacity() * sizeof(Swept) + contact_.memoryBytes() + was_.memoryBytes() +
+  size_t bytes = swept_.capacity() * sizeof(Swept) + contact_.memoryBytes() +
                  slab.capacity() * sizeof(ColliderSlab);
   for (const Scratch& scratch : scratch_)
     bytes += scratch.contact.capacity() * sizeof(ColliderContact) + scratch.near.capacity() * sizeof(uint32_t);

@@ -150,7 +150,7 @@ class PairArrays {
   KeptPairs kept_;
   std::span<uint32_t> found_end_;  // by slot, in its slab
   std::vector<Scratch> scratch_;  // by thread
-  size_t most_found_ = 0;         // by the grains of a slab
+  size_t most_found_ = 0;         // by the grains of a slab, in the last build
   // Of all slabs, one after the other.
   Room<uint32_t> i_, j_;
   Room<uint8_t> trust_;
@@ -290,9 +290,9 @@ class ColliderArrays {
   std::vector<Swept> swept_;
   float extra_ = 0;
   bool lacking_ = false;  // fields, after restore()
-  Room<ColliderContact> contact_, was_;  // of all slabs
+  Room<ColliderContact> contact_;        // of all slabs
   std::vector<Scratch> scratch_;         // by thread
-  size_t most_listed_ = 0;               // in a slab
+  size_t most_listed_ = 0;               // in a slab, last time
 };
 
 class ColliderLists : public ColliderArrays {
@@ -311,7 +311,7 @@ class ColliderLists : public ColliderArrays {
   // have not, only colliders that changed are looked at: with none, nothing is done.
   void build(const Grid& grid, const Bodies& bodies, std::span<const Collider> colliders,
              const Going& going, bool searched, std::span<const uint32_t> before,
-             std::span<const JoiningWall> joining);
+             std::span<const JoiningWall> joining, Workspace& workspace);
   // The first tick after restore(): colliders as they were saved get their fields back.
   void bringFields(std::span<const Collider> colliders);
   // Notes where the colliders go; true if any is not as it was. Part of build().

@@ -57,6 +57,7 @@ class Grid::Finder {
   void finish() {
     uint32_t hits[kMostGrains + kMostLanes];
     const uint32_t n = kernels_.scan(grains_, slot_, range_, ranges_, hits);
+    makeRoomFor(found_, found_.size() + n);
     found_.insert(found_.end(), hits, hits + n);
     ranges_ = grains_in_ranges_ = 0;
   }

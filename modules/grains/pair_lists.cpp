@@ -155,10 +155,10 @@ void PairLists::find(const Grid& grid, const Bodies& bodies) {
   }
   scratch_.resize(worth == Worth::OneThread ? 1 : static_cast<size_t>(threadCount()));
   for (Scratch& scratch : scratch_) {
-    most_found_ = std::max(most_found_, scratch.found.capacity());
     scratch.taken.remake(most);
+    scratch.found.clear();
+    fitTo(scratch.found, most_found_);
   }
-  for (Scratch& scratch : scratch_) scratch.found.reserve(most_found_);
 
   std::atomic<uint64_t> found_so_far = 0;
   impulse_.extend(impulse_.capacity());
@@ -175,6 +175,8 @@ void PairLists::find(const Grid& grid, const Bodies& bodies) {
     if (own.found_begin + own.found_count <= room) copy(own, pairs);
   }, worth);
   pair_count = found_so_far;
+  most_found_ = 0;
+  for (uint32_t s = 0; s < slab_count; ++s) most_found_ = std::max<size_t>(most_found_, slab[s].found_count);
   impulse_.extend(2 * sizeof(uint32_t) * pair_count);
   if (pair_count <= room) return;
   parallelChunks(slab_count, 1, [&](size_t k, size_t, size_t) {
@@ -290,10 +292,11 @@ void PairLists::place(const Grid& grid, const Bodies& bodies, uint32_t s) {
   eachPair(grid, s, [&](uint32_t k, uint32_t i, uint32_t found) {
     const uint32_t j = slotOf(found);
     const uint32_t contact = own.colour_count[colour[k]]++;
-    if (!isAwake(bodies, i) || !isAwake(bodies, j)) own.border.push_back(contact);
+    if (!isAwake(bodies, i) || !isAwake(bodies, j)) append(own.border, contact);
     own.i[contact] = i;
     own.j[contact] = j;
   });
+  fitTo(own.border, own.border.size());
 }
 
 void PairLists::fillIdle(uint32_t s) {

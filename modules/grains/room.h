@@ -13,8 +13,8 @@
 
 namespace scree::grains {
 
-// Capacity for n things whose number wavers a little: an eighth to spare.
-constexpr size_t roomFor(size_t n) { return n + n / 8; }
+// Capacity for n things whose number wavers a little.
+constexpr size_t roomFor(size_t n) { return n + n / 16; }
 
 // What was needed of late.
 class Need {
@@ -25,11 +25,11 @@ class Need {
     if (++times_ < kTimes) return 0;
     const size_t wanted = roomFor(std::exchange(most_, 0));
     times_ = 0;
-    return wanted + wanted / 8 < capacity ? std::max<size_t>(wanted, 1) : 0;
+    return roomFor(wanted) < capacity ? std::max<size_t>(wanted, 1) : 0;
   }
 
  private:
-  static constexpr uint32_t kTimes = 16;
+  static constexpr uint32_t kTimes = 32;
   size_t most_ = 0;
   uint32_t times_ = 0;
 };
@@ -39,13 +39,7 @@ template <class T>
 void makeRoomFor(std::vector<T>& values, size_t n) {
   if (n > values.capacity()) values.reserve(std::max<size_t>(roomFor(n), 8));
 }
-template <class T>
-void append(std::vector<T>& values, const T& value) {
-  const T kept = value;  // may lie in what is given up
-  makeRoomFor(values, values.size() + 1);
-  values.push_back(kept);
-}
-// Keeps what is in it.
+// At least what is in it.
 template <class T>
 void shrinkTo(std::vector<T>& values, size_t capacity) {
   if (values.capacity() <= capacity) return;
@@ -53,6 +47,19 @@ void shrinkTo(std::vector<T>& values, size_t capacity) {
   smaller.reserve(std::max(capacity, values.size()));
   smaller.assign(values.begin(), values.end());
   values = std::move(smaller);
+}
+// Lets it hold about n: what is far beyond is given back.
+template <class T>
+void fitTo(std::vector<T>& values, size_t n) {
+  constexpr size_t kLittle = 256;
+  makeRoomFor(values, n);
+  if (values.capacity() > std::max(2 * roomFor(n), kLittle)) shrinkTo(values, roomFor(n));
+}
+template <class T>
+void append(std::vector<T>& values, const std::type_identity_t<T>& value) {
+  const T kept = value;  // may lie in what is given up
+  makeRoomFor(values, values.size() + 1);
+  values.push_back(kept);
 }
 
 enum class Contents { Drop, Keep };

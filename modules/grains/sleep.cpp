@@ -110,14 +110,14 @@ void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
                                                                sleeper.position, sleeper.radius);
     bodies_.berth[slot] = kAwake;
     setPlace(sleeper.entity, slot);
-    awake_.push_back({sleeper.row, slot});
+    append(awake_, {sleeper.row, slot});
   }
   for (const uint32_t berth : partners_)
     if (sleepers_[berth].radius > 0) {
       sleepers_.weigh(berth, gravity_step);
       sleepers_.eachOfClump(berth, [&](uint32_t member) {
         sleepers_.unbook(member);
-        to_book_.push_back(member);
+        append(to_book_, member);
       });
     }
   partners_.clear();
@@ -178,7 +178,8 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
       for (const ColliderContact& contact : slab.contact)
         if (contact.gives && contact.impulse != vec3(0)) settled_[contact.grain] |= kHeldUp;
   settleClumps(kStill);
-  refill(load_, bodies_.count, Load{});
+  const Workspace::Mark before = workspace_.mark();
+  load_ = workspace_.take<Load>(bodies_.count, Load{});
   eachContact([&](const PairSlab& slab, uint32_t c) { addPairLoad(slab, c); });
   for (uint32_t s = 0; s < walls_.slab_count; ++s)
     for (const ColliderContact& contact : walls_.slab[s].contact) {
@@ -199,6 +200,7 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     settled |= kFalling;
     ++falling;
   }
+  workspace_.giveBack(before);
   // Each time costs a search.
   if (falling == 0 || kTogether * falling < awake_.size()) return;
   layToSleep(tables, gravity_step);
@@ -235,7 +237,7 @@ void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_ste
     body.inverse_mass = body.gravity_scale = 0;
     bodies_.berth[awake.slot] = berth;
     setPlace(bodies_.entity[awake.slot], berth | kBerthBit);
-    falling_.push_back(berth);
+    append(falling_, berth);
   }
   awake_.resize(stay);
   awake_sorted_ = stay;
@@ -244,7 +246,7 @@ void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_ste
   const uint32_t listed = pairs_.bodyCount();
   for (uint32_t k = 0; k < bodies_.count; ++k)
     if (isAsleep(bodies_, k) && std::exchange(sleepers_[bodies_.berth[k]].propped, false))
-      falling_.push_back(bodies_.berth[k]);
+      append(falling_, bodies_.berth[k]);
   for (uint32_t s = 0; s < pairs_.slab_count; ++s) {
     const PairSlab& slab = pairs_.slab[s];
     for (uint32_t c = 0; c < slab.count; ++c) {
@@ -258,7 +260,7 @@ void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_ste
       if (!falls(i) && !falls(j)) continue;
       sleepers_.lean(bodies_.berth[i], bodies_.berth[j], slab.impulseAt(c), slab.rollingAt(c));
       for (const uint32_t slot : {i, j})
-        if (!falls(slot)) falling_.push_back(bodies_.berth[slot]);
+        if (!falls(slot)) append(falling_, bodies_.berth[slot]);
     }
     for (const ColliderContact& contact : walls_.slab[s].contact)
       if (falls(contact.grain) && contact.impulse != vec3(0))

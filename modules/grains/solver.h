@@ -191,6 +191,7 @@ class GrainSolver {
   std::string restoreLists(ByteReader& in, uint32_t handles);
   // Puts idle bodies behind the grains.
   void padBodies();
+  void trim(size_t bodies);
   // Forces, in forces.cpp.
   void findPushed(const StepParameters& parameters);
   void strikeBlows(std::span<const Blow> blows);
@@ -246,7 +247,7 @@ class GrainSolver {
     uint32_t berth, slab, contact;
     bool first;  // the sleeper is the contact's grain i
   };
-  std::vector<BorderContact> border_;
+  std::span<BorderContact> border_;  // in the workspace
   std::vector<uint32_t> uneasy_;
   std::vector<uint32_t> to_book_;  // berths whose load has changed since it was booked; empty between ticks
   struct Pressed {
@@ -257,7 +258,7 @@ class GrainSolver {
   std::vector<Touch> touches_;
   std::vector<const BorderContact*> touching_;
   std::vector<uint8_t> settled_;  // by slot
-  std::vector<Load> load_;        // by slot
+  std::span<Load> load_;          // by slot, in the workspace
   std::vector<WokenPair> woken_pairs_;  // since the last search
   std::vector<WokenWall> woken_walls_;
   std::vector<JoiningPair> joining_pairs_;

@@ -106,7 +106,7 @@ void GrainSolver::adopt(std::span<const GrainRows> tables) {
       } else {
         settled_[place] = 1;
       }
-      awake_.push_back({row, place});
+      append(awake_, {row, place});
     }
   }
   std::sort(refused_.begin(), refused_.end());  // whatever the order of the rows
@@ -258,10 +258,10 @@ size_t GrainSolver::memoryBytes() const {
          4 * (place_.capacity() + waking_.capacity() +
               partners_.capacity() + falling_.capacity() + strays_.capacity() +
               met_.capacity() + uneasy_.capacity() + to_book_.capacity()) +
-         border_.capacity() * sizeof(BorderContact) + touches_.capacity() * sizeof(Touch) +
+         touches_.capacity() * sizeof(Touch) +
          touching_.capacity() * sizeof(touching_[0]) + pressed_.capacity() * sizeof(Pressed) +
          awake_.capacity() * sizeof(AwakeRow) + settled_.capacity() +
-         load_.capacity() * sizeof(Load) + woken_pairs_.capacity() * sizeof(WokenPair) +
+         woken_pairs_.capacity() * sizeof(WokenPair) +
          woken_walls_.capacity() * sizeof(WokenWall) +
          joining_pairs_.capacity() * sizeof(JoiningPair) +
          joining_walls_.capacity() * sizeof(JoiningWall) +

@@ -133,6 +133,14 @@ std::span<uint32_t> GrainSolver::gatherNear(float h, std::span<uint32_t>& were) 
   return moved;
 }
 
+// The lists of those awake, and of sleepers that something happens to, hold no more than there are bodies,
+// but for the moment in which many wake or sleep.
+void GrainSolver::trim(size_t bodies) {
+  const auto trimmed = [&](auto&... list) { (fitTo(list, std::max(list.size(), std::min(list.capacity(), bodies))), ...); };
+  trimmed(awake_, settled_, waking_, partners_, falling_, uneasy_, to_book_, pressed_, touches_, touching_,
+          woken_pairs_, woken_walls_, joining_pairs_, joining_walls_);
+}
+
 void GrainSolver::padBodies() {
   const size_t n = bodies_.count, padded = n + size_t{grid_.slabCount()} * kIdleBodies;
   makeRoomFor(bodies_.body, padded);
@@ -150,6 +158,7 @@ void GrainSolver::searchNeighbours(float h) {
   std::span<uint32_t> were;
   const std::span<uint32_t> moved = gatherNear(h, were);
   const uint32_t n = bodies_.count;
+  trim(n);
   before_ = workspace_.take<uint32_t>(n);
   const std::span<uint32_t> slot_of = workspace_.take<uint32_t>(n);
   const std::span<uint32_t> order = grid_.plan(bodies_, workspace_);
@@ -210,8 +219,9 @@ void GrainSolver::listColliders(std::span<const Collider> colliders, float dt, f
   // With a drift the lists are made anew every tick, without it when a collider changes.
   const float extra = std::sqrt(glm::dot(drift_, drift_)) * dt;
   const Going going{extra, drift_ * drift_time_, drift_, h, h / dt};
-  walls_.build(grid_, bodies_, colliders, going, searched_, before_, joining_walls_);
+  walls_.build(grid_, bodies_, colliders, going, searched_, before_, joining_walls_, workspace_);
   before_ = {};
+  workspace_.giveBack({});
   searched_ = false;
   walls_due_ = false;
 }
