@@ -62,6 +62,10 @@ VertexArray& emptyVertexArray() {
   static auto* instance = new VertexArray;  // never destroyed: the context may be gone before
   return *instance;
 }
+void bindEmptyVertexArray() {
+  if (!emptyVertexArray()) emptyVertexArray() = VertexArray("gpu.empty");
+  emptyVertexArray().bind();
+}
 
 }  // namespace
 
@@ -113,12 +117,16 @@ void drawElementsIndirect(unsigned mode, unsigned type, const Buffer& buffer, si
 }
 
 void drawVertexless(unsigned mode, int count, int instances, unsigned base_instance) {
-  if (!emptyVertexArray()) emptyVertexArray() = VertexArray("gpu.empty");
-  emptyVertexArray().bind();
+  bindEmptyVertexArray();
   if (instances == 1 && base_instance == 0)
     drawArrays(mode, 0, count);
   else
     drawArraysInstanced(mode, 0, count, instances, base_instance);
+}
+
+void drawVertexlessIndirect(unsigned mode, const Buffer& buffer, size_t offset, int commands, int stride) {
+  bindEmptyVertexArray();
+  drawArraysIndirect(mode, buffer, offset, commands, stride);
 }
 
 void drawFullScreen() {

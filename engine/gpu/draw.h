@@ -24,6 +24,8 @@ void drawElementsIndirect(unsigned mode, unsigned type, const Buffer& buffer, si
 
 // Draws vertices that the shader makes from gl_VertexID, without attributes.
 void drawVertexless(unsigned mode, int count, int instances = 1, unsigned base_instance = 0);
+// The same by commands of struct DrawArraysIndirectCommand.
+void drawVertexlessIndirect(unsigned mode, const Buffer& buffer, size_t offset, int commands = 1, int stride = 0);
 // One triangle that covers the viewport: three vertices without attributes; see
 // shaders/lib for the vertex shader.
 void drawFullScreen();

@@ -13,9 +13,6 @@
 namespace scree {
 namespace {
 
-// Number of the grain that a pixel shows, over all that is drawn, + 1.
-constexpr const char* kVisible = "impostors.visible";
-
 struct Impostors {
   explicit Impostors(App& app) : world(app.world()) {}
 
@@ -48,11 +45,11 @@ struct Impostors {
     if (!visible.use()) return;
     tiles.bind();
     gpu::apply({.cull = gpu::Cull::None});
-    eachPart([&](const SwarmPart& part) { gpu::drawArraysIndirect(GL_TRIANGLES, *part.commands, command); });
+    eachPart([&](const SwarmPart& part) { gpu::drawVertexlessIndirect(GL_TRIANGLES, *part.commands, command); });
   }
   void resolve(PassContext& context) {
     if (!(context.frame.isRead(kGbufferMotion) ? moving : still).use()) return;
-    context.frame.texture(kVisible).bind(rules::kPassTextureUnit);
+    context.frame.texture(kSwarmVisible).bind(rules::kPassTextureUnit);
     // Behind what is nearer than the grain's surface it stays hidden, whatever was drawn since.
     gpu::apply({.depth_func = gpu::Compare::GreaterEqual, .cull = gpu::Cull::None});
     eachPart([this](const SwarmPart&) { tiles.draw(); });
@@ -63,29 +60,27 @@ struct Impostors {
 
 void addImpostors(App& app) {
   app.world().singleton<ImpostorStore>();
-  app.addTarget(kVisible, {.format = GL_R32UI});
   const auto impostors = std::make_shared<Impostors>(app);
   const auto needs = [impostors] { return impostors->swarms().mayBe(rules::kImpostor); };
   constexpr const char* kNeeds = "a swarm that may be impostors";
-  const std::string depth(kGbufferDepth), lists(kSwarmLists), late_lists(kSwarmLateLists);
+  const std::string visible(kSwarmVisible), depth(kGbufferDepth), lists(kSwarmLists), late_lists(kSwarmLateLists);
 
   app.addPass({.name = "impostors.visible",
                .stage = Stage::Geometry,
                .needs_text = kNeeds,
                .needs = needs,
                .needs_content = {lists},
-               .uses = {{kVisible, Access::Color}, {depth, Access::Depth}, {lists, Access::Indirect}, {lists, Access::StorageRead}},
+               .uses = {{visible, Access::Color}, {depth, Access::Depth}, {lists, Access::Indirect}, {lists, Access::StorageRead}},
                .run = [impostors](PassContext& context) {
-                 context.framebuffer->clearColor(0, uvec4(0));
                  impostors->tiles.clear(context.input.size);
-                 impostors->drawVisible(offsetof(rules::SwarmCommands, occluders));
+                 impostors->drawVisible(offsetof(rules::SwarmCommands, first_impostors));
                }});
   app.addPass({.name = "impostors.visible_late",
                .stage = Stage::GeometryLate,
                .needs_text = kNeeds,
                .needs = needs,
-               .needs_content = {late_lists, kVisible},
-               .uses = {{kVisible, Access::Color},
+               .needs_content = {late_lists, visible},
+               .uses = {{visible, Access::Color},
                         {depth, Access::Depth},
                         {late_lists, Access::Indirect},
                         {late_lists, Access::StorageRead}},
@@ -96,8 +91,8 @@ void addImpostors(App& app) {
                .stage = Stage::GeometryLate,
                .needs_text = kNeeds,
                .needs = needs,
-               .needs_content = {kVisible},
-               .uses = gbufferUses({{kVisible, Access::Sampled}}),
+               .needs_content = {visible},
+               .uses = gbufferUses({{visible, Access::Sampled}}),
                .run = [impostors](PassContext& context) { impostors->resolve(context); }});
 }
 

@@ -2,6 +2,7 @@
 #include "modules/lod/lod.h"
 
 #include "engine/app/app.h"
+#include "engine/gpu/gl.h"
 #include "modules/lod/state.h"
 
 namespace scree {
@@ -34,11 +35,18 @@ void addLod(App& app) {
 
   app.addSystem(lod::uploadSystem(state));
 
+  app.addTarget(std::string(kSwarmVisible), {.format = GL_R32UI});
+  app.frame().addExternal(lod::kSeen);
+  app.frame().keep(lod::kSeen, true);  // by the next frame
+
   app.addPass(lod::classifyPass(state));
   app.addPass(lod::listPass(state));
+  app.addPass({.name = "lod.clear", .stage = Stage::Geometry, .uses = {{std::string(kSwarmVisible), Access::Clear}}});
   app.addPass(lod::shadowPass(state));
   app.addPass(lod::meshPass(state));
   app.addPass(lod::lateListPass(state));
+  app.addPass(lod::lateMeshPass(state));
+  app.addPass(lod::seePass(state));
 }
 
 }  // namespace scree

@@ -121,6 +121,7 @@ struct LodSettings {
   float tolerance_px = 0.5f;  // how far outlines may be off
   float least_ssim = 0.95f;   // an impostor is used at sizes at which it is this similar, or as the mesh is
   float band = 0.05f;         // share by which a threshold must be passed before a grain changes
+  bool cull = true;           // what the depth pyramid hides; false: for tests and pictures of it
   // For benches: draws all as one representation if it is possible; kNotDrawn: chosen by the rest.
   uint32_t only = rules::kNotDrawn;
 };
@@ -149,8 +150,11 @@ inline constexpr std::string_view kSwarmRoutes = "lod.routes";  // representatio
 inline constexpr std::string_view kSwarmLists = "lod.lists";
 inline constexpr std::string_view kSwarmLateLists = "lod.late_lists";
 
-// Calls draw(shape) for each buffer of grains of this frame, with these bound for lib/swarm.glsl: the
-// SwarmBlock, records, representations, list, commands (also as indirect commands, see swarmCommands()).
+// Target: the number of the grain that each pixel shows, over all that is drawn, + 1; 0: none. Passes that draw
+// grains of SwarmsDrawn, points excepted, write it.
+inline constexpr std::string_view kSwarmVisible = "lod.visible";
+
+// The grains of one buffer that is drawn in this frame.
 struct SwarmPart {
   uint32_t shape = 0;
   uint32_t first = 0, count = 0, runs = 0;  // numbers of its grains, over all that is drawn
@@ -187,8 +191,8 @@ class MarkedTiles {
   int count_ = 0;
 };
 
-// Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.shadow, lod.meshes (Geometry), lod.list_late
-// (RouteLate). Needs addScene, addDeferred, addOcclusion.
+// Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.clear, lod.shadow, lod.meshes (Geometry),
+// lod.list_late (RouteLate), lod.meshes_late (GeometryLate), lod.see (Shade). Needs addScene, addDeferred, addOcclusion.
 void addLod(App& app);
 
 }  // namespace scree

@@ -1,4 +1,4 @@
-// lod.meshes: near grains, as instances of their shape's mesh.
+// lod.meshes, lod.meshes_late: near grains, as instances of their shape's mesh.
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/program.h"
@@ -37,7 +37,8 @@ struct MeshPrograms {
   }
 };
 
-void draw(SwarmsDrawn::State& state, MeshPrograms& programs, bool motion) {
+// `commands`: place of the commands in SwarmCommands.
+void draw(SwarmsDrawn::State& state, MeshPrograms& programs, bool motion, size_t commands) {
   gpu::Program& program = motion ? programs.moving : programs.still;
   if (!program.use()) return;
   MeshStore& meshes = state.world.singleton<MeshStore>();
@@ -58,25 +59,35 @@ void draw(SwarmsDrawn::State& state, MeshPrograms& programs, bool motion) {
       materials.bind(mesh_parts[k].material);
       constexpr size_t kCommand = sizeof(rules::DrawElementsCommand);
       gpu::drawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, part.chunk->commands,
-                                offsetof(rules::SwarmCommands, meshes) + k * kCommand,
+                                commands + k * kCommand,
                                 static_cast<int>(shape.levels.size()), static_cast<int>(rules::kMeshParts * kCommand));
     }
   }
 }
 
+PassDesc passOf(const SharedState& state, const char* name, Stage stage, std::string_view lists, size_t commands) {
+  const auto programs = std::make_shared<MeshPrograms>();
+  return {.name = name,
+          .stage = stage,
+          .needs_text = "a swarm that may be meshes",
+          .needs = [state] { return state->possible >> rules::kMesh != 0; },
+          .needs_content = {std::string(lists)},
+          .uses = gbufferUses({{std::string(kSwarmVisible), Access::Color},
+                               {std::string(lists), Access::Indirect},
+                               {std::string(lists), Access::Vertex}}),
+          .run = [state, programs, commands](PassContext& context) {
+            draw(*state, *programs, context.frame.isRead(kGbufferMotion), commands);
+          }};
+}
+
 }  // namespace
 
 PassDesc meshPass(const SharedState& state) {
-  const auto programs = std::make_shared<MeshPrograms>();
-  return {.name = "lod.meshes",
-          .stage = Stage::Geometry,
-          .needs_text = "a swarm that may be meshes",
-          .needs = [state] { return state->possible >> rules::kMesh != 0; },
-          .needs_content = {std::string(kSwarmLists)},
-          .uses = gbufferUses({{std::string(kSwarmLists), Access::Indirect}, {std::string(kSwarmLists), Access::Vertex}}),
-          .run = [state, programs](PassContext& context) {
-            draw(*state, *programs, context.frame.isRead(kGbufferMotion));
-          }};
+  return passOf(state, "lod.meshes", Stage::Geometry, kSwarmLists, offsetof(rules::SwarmCommands, first_meshes));
+}
+
+PassDesc lateMeshPass(const SharedState& state) {
+  return passOf(state, "lod.meshes_late", Stage::GeometryLate, kSwarmLateLists, offsetof(rules::SwarmCommands, meshes));
 }
 
 }  // namespace scree::lod

@@ -96,8 +96,8 @@ PassDesc lateListPass(const SharedState& state) {
   const auto programs = std::make_shared<ListPrograms>(program("lod.count", {"LATE"}), program("lod.commands"));
   return {.name = "lod.list_late",
           .stage = Stage::RouteLate,
-          .needs_text = "a swarm with impostors",
-          .needs = [state] { return (state->possible >> rules::kImpostor & 1) != 0; },
+          .needs_text = "a swarm that may be more than points",
+          .needs = [state] { return state->possible >> rules::kImpostor != 0; },
           .needs_content = {std::string(kSwarmLists)},
           .uses = {{std::string(kSwarmRoutes), Access::StorageWrite},
                    {std::string(kSwarmLists), Access::StorageRead},
@@ -106,6 +106,25 @@ PassDesc lateListPass(const SharedState& state) {
           .run = [state, programs](PassContext& context) {
             bindPyramid(state->world, context);
             for (const Part& part : state->parts) programs->run(part, part.late);
+          }};
+}
+
+PassDesc seePass(const SharedState& state) {
+  const auto see = std::make_shared<gpu::Program>(program("lod.see"));
+  return {.name = "lod.see",
+          .stage = Stage::Shade,
+          .needs_text = "a swarm that may be more than points",
+          .needs = [state] { return state->possible >> rules::kImpostor != 0; },
+          .needs_content = {std::string(kSwarmVisible)},
+          .uses = {{std::string(kSwarmVisible), Access::Sampled}, {kSeen, Access::StorageWrite}},
+          .run = [state, see](PassContext& context) {
+            if (!see->use()) return;
+            context.frame.texture(kSwarmVisible).bind(rules::kPassTextureUnit);
+            const ivec2 groups = (context.input.size + 7) / 8;
+            for (const Part& part : state->parts) {
+              bindPart(part, part.early);
+              gpu::dispatch(static_cast<uint32_t>(groups.x), static_cast<uint32_t>(groups.y));
+            }
           }};
 }
 

@@ -74,11 +74,16 @@ namespace scree::lod {
 
 using SharedState = std::shared_ptr<SwarmsDrawn::State>;
 
+// External resource: which grains the last frame showed.
+inline constexpr const char* kSeen = "lod.seen";
+
 SystemDesc uploadSystem(const SharedState& state);
 PassDesc classifyPass(const SharedState& state);
 PassDesc listPass(const SharedState& state);
 PassDesc lateListPass(const SharedState& state);
 PassDesc meshPass(const SharedState& state);
+PassDesc lateMeshPass(const SharedState& state);
+PassDesc seePass(const SharedState& state);
 PassDesc shadowPass(const SharedState& state);
 
 }  // namespace scree::lod

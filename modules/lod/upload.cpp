@@ -21,8 +21,8 @@ rules::SwarmCommands commandsOf(const MeshStore& meshes, const GrainShape& shape
   for (size_t level = 0; level < shape.levels.size(); ++level) {
     const std::vector<MeshPart>& parts = meshes.mesh(shape.levels[level].mesh).parts;
     for (size_t k = 0; k < parts.size(); ++k)
-      commands.meshes[level * rules::kMeshParts + k] = {parts[k].index_count, 0, parts[k].first_index,
-                                                        parts[k].base_vertex, 0};
+      commands.first_meshes[level * rules::kMeshParts + k] = commands.meshes[level * rules::kMeshParts + k] = {
+          parts[k].index_count, 0, parts[k].first_index, parts[k].base_vertex, 0};
   }
   return commands;
 }
@@ -36,7 +36,7 @@ Chunk chunkOf(std::span<const rules::SwarmRecord> records, const rules::SwarmCom
   chunk.representations.fill(0);
   chunk.seen = gpu::Buffer("lod.seen", 4 * rules::kRunSeenWords * runs);
   chunk.seen.fill(0);
-  chunk.counts = gpu::Buffer("lod.counts", 8 * runs);
+  chunk.counts = gpu::Buffer("lod.counts", 4 * rules::kCountWords * runs);
   chunk.prefix = gpu::Buffer("lod.prefix", 4 * rules::kRepresentations * (runs + blocks));
   chunk.list = gpu::Buffer("lod.list", 4 * size_t{chunk.count});
   chunk.commands = gpu::Buffer("lod.commands", sizeof(commands), &commands);
@@ -81,7 +81,7 @@ uint32_t possibleOf(const LodThresholds& t, size_t levels) {
   if (t.point_px > 0) add(rules::kPoint);
   if (t.impostor_px > t.impostor_from_px) {
     add(rules::kImpostor);
-    add(rules::kOccluder);
+    add(rules::kFirstImpostor);
   }
   const float most = std::max(t.point_px, t.impostor_px);
   if (most > rules::kLargestPx) return possible;  // one for all sizes
@@ -121,6 +121,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.impostor_px = t.impostor_px;
   block.impostor_from_px = t.impostor_from_px;
   block.band = settings.band;
+  block.cull = settings.cull ? 1 : 0;
   block.first_id = placed.entity.index + 1;
   block.same_id = 1;
   for (const Chunk& chunk : placed.resident->chunks) {
@@ -139,10 +140,10 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     part.casts = placed.casts;
     part.cast_share = shape.cast_share;
     part.largest_radius = stored.largest_radius;
-    constexpr uint32_t kMeshes = (1u << rules::kRepresentations) - (1u << rules::kMesh);
-    block.listed = kMeshes | 1u << rules::kOccluder;
+    constexpr uint32_t kFirst = 15u << rules::kFirstMesh | 1u << rules::kFirstImpostor;
+    block.listed = kFirst;
     part.early = state.blocks.write(block);
-    block.listed = 1u << rules::kImpostor;
+    block.listed = 15u << rules::kMesh | 1u << rules::kImpostor;
     part.late = state.blocks.write(block);
     state.parts.push_back(part);
     state.grain_count += chunk.count;

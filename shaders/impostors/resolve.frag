@@ -3,7 +3,6 @@
 #include "lib/swarm.glsl"
 #include "impostors/atlas.glsl"
 
-layout(std430, binding = kSwarmSeenBinding) buffer Seen { uint seen[]; };
 layout(binding = kPassTextureUnit) uniform usampler2D visible_grains;
 layout(binding = kImpostorColorUnit) uniform sampler2DArray atlas_color;
 layout(binding = kImpostorNormalUnit) uniform sampler2DArray atlas_normal;
@@ -17,8 +16,8 @@ void main() {
   uint number = texelFetch(visible_grains, ivec2(gl_FragCoord.xy), 0).r;
   uint grain = number - 1u - swarm.first;
   if (number == 0u || grain >= swarm.count) discard;
-  uint seen_at = grain / 32u, seen_bit = 1u << (grain & 31u);
-  if ((seen[seen_at] & seen_bit) == 0u) atomicOr(seen[seen_at], seen_bit);
+  uint route = representations[grain / 8u] >> 4u * (grain & 7u) & 15u;
+  if (route != kImpostor && route != kFirstImpostor) discard;
   SwarmRecord record = records[grain];
   vec3 center = centerOf(record);
   float radius = radiusOf(record), scale = 1.0 / radius;

@@ -1,5 +1,5 @@
-// How each grain is drawn: what lies outside of the view is not, the rest by its size. Impostors leave
-// the mark of the nearest of them in the map of occluder candidates.
+// How each grain is drawn: what lies outside of the view is not, the rest by its size. All but points
+// leave the mark of the nearest of them in the map of occluder candidates.
 #define SWARM_ROUTES
 #include "lib/swarm.glsl"
 #include "shared/candidate.h"
@@ -16,7 +16,7 @@ uint representationNow(SwarmRecord grain, uint before) {
   float distance = length(center);
   float size_px = sizePx(radius, distance, view.pixels_at_1m);
   uint now = representationOf(size_px, before, swarm);
-  if (now == kImpostor) {
+  if (now >= kImpostor) {
     uint cell = candidateCell(pixelOf(view, center), size_px, swarm.candidate_cell, ivec2(view.size_px));
     uint key = candidateKey(distance);
     if (nearest[cell] < key) atomicMax(nearest[cell], key);

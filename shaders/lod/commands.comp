@@ -3,7 +3,7 @@
 #include "lib/swarm.glsl"
 #include "lib/swarm_lists.glsl"
 
-layout(local_size_x = 8) in;
+layout(local_size_x = kRepresentations) in;
 
 layout(std430, binding = kSwarmPrefixBinding) buffer Prefix { uint prefix[]; };
 layout(std430, binding = kSwarmCommandsBinding) buffer Commands { SwarmCommands commands; };
@@ -36,14 +36,19 @@ void main() {
     commands.begin[representation] = begin;
     commands.count[representation] = sum;
     DrawArraysCommand triangles = DrawArraysCommand(3u * sum, 1u, 3u * begin, 0u);
-    if (representation == kOccluder) commands.occluders = triangles;
+    if (representation == kFirstImpostor) commands.first_impostors = triangles;
     if (representation == kImpostor) commands.impostors = triangles;
-    if (representation >= kMesh)
-      for (uint part = 0u; part < kMeshParts; ++part) {
+    for (uint part = 0u; part < kMeshParts; ++part) {
+      if (representation >= kFirstMesh) {
+        uint at = (representation - kFirstMesh) * kMeshParts + part;
+        commands.first_meshes[at].instances = sum;
+        commands.first_meshes[at].base_instance = begin;
+      } else if (representation >= kMesh) {
         uint at = (representation - kMesh) * kMeshParts + part;
         commands.meshes[at].instances = sum;
         commands.meshes[at].base_instance = begin;
       }
+    }
   }
   if (representation == 0u) commands.listed = end;
 }

@@ -1,6 +1,6 @@
-// How many grains of each representation a run has. On the way, the first count of a frame turns impostors that
-// were seen in the last frame, or are the nearest in their cell of the candidate map, into occluders; the second, LATE, drops the impostors that
-// the depth pyramid hides.
+// How many grains of each representation a run has. On the way, the first count of a frame chooses what is drawn
+// first: what was seen in the last frame, or is the nearest in its cell of the candidate map. The second, LATE, drops
+// of the rest what the depth pyramid hides.
 #define SWARM_ROUTES
 #include "lib/occlusion.glsl"
 #include "lib/swarm.glsl"
@@ -9,7 +9,7 @@
 layout(local_size_x = 64) in;
 
 // A byte each; a run has at most 64.
-layout(std430, binding = kSwarmCountsBinding) writeonly buffer Counts { uvec2 counts[]; };
+layout(std430, binding = kSwarmCountsBinding) writeonly buffer Counts { uint counts[]; };
 #ifndef LATE
 layout(std430, binding = kCandidateMapBinding) readonly buffer CandidateMap { uint nearest[]; };
 layout(std430, binding = kSwarmSeenBinding) buffer Seen { uint seen[]; };
@@ -26,7 +26,7 @@ void main() {
   uint run = gl_GlobalInvocationID.x;
   if (run >= swarm.run_count) return;
   uint grain = run * kRunGrains;
-  uvec2 count = uvec2(0u);
+  uint count[kCountWords] = uint[kCountWords](0u, 0u, 0u);
 #ifdef LATE
   OcclusionView eye = occlusionView();
 #else
@@ -38,23 +38,24 @@ void main() {
     uint before = representations[word], now = before;
     for (uint k = 0u, rest = before; rest != 0u; ++k, rest >>= 4u) {
       uint r = rest & 15u;
-      if (r == kImpostor) {
+      if (r == kImpostor || (r >= kMesh && r < kFirstMesh)) {
         SwarmRecord record = records[grain + k];
         vec3 center = centerOf(record);
         float radius = radiusOf(record);
 #ifdef LATE
-        if (occluded(sphereBounds(eye, center, radius, kReachCenters, true))) r = kNotDrawn;
+        bool disc = r == kImpostor;
+        float reach_px = disc ? kReachCenters : kReachTouched;
+        if (swarm.cull != 0u && occluded(sphereBounds(eye, center, radius, reach_px, disc))) r = kNotDrawn;
 #else
         uint in_run = grain + k - run * kRunGrains;
         bool known = ((in_run < 32u ? was_seen.x : was_seen.y) >> (in_run & 31u) & 1u) != 0u;
-        if (known || isCandidate(center, radius)) r = kOccluder;
+        if (known || isCandidate(center, radius)) r = r == kImpostor ? kFirstImpostor : r + (kFirstMesh - kMesh);
 #endif
-        now ^= (kImpostor ^ r) << 4u * k;
+        now ^= ((rest & 15u) ^ r) << 4u * k;
       }
-      uint one = r == kNotDrawn ? 0u : 1u << 8u * (r & 3u);
-      count += r < 4u ? uvec2(one, 0u) : uvec2(0u, one);
+      if (r != kNotDrawn) count[r >> 2u] += 1u << 8u * (r & 3u);
     }
     if (now != before) representations[word] = now;
   }
-  counts[run] = count;
+  for (uint k = 0u; k < kCountWords; ++k) counts[run * kCountWords + k] = count[k];
 }

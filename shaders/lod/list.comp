@@ -4,7 +4,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(std430, binding = kSwarmCountsBinding) readonly buffer Counts { uvec2 counts[]; };
+layout(std430, binding = kSwarmCountsBinding) readonly buffer Counts { uint counts[]; };
 layout(std430, binding = kSwarmPrefixBinding) readonly buffer Prefix { uint prefix[]; };
 layout(std430, binding = kSwarmCommandsBinding) readonly buffer Commands { SwarmCommands commands; };
 layout(std430, binding = kSwarmListBinding) writeonly buffer List { uint list[]; };
@@ -12,10 +12,9 @@ layout(std430, binding = kSwarmListBinding) writeonly buffer List { uint list[];
 void main() {
   uint run = gl_GlobalInvocationID.x;
   if (run >= swarm.run_count) return;
-  uvec2 count = counts[run];
   uint block = run / kBlockRuns;
   for (uint r = 0u; r < kRepresentations; ++r) {
-    uint left = (r < 4u ? count.x : count.y) >> 8u * (r & 3u) & 255u;
+    uint left = counts[run * kCountWords + (r >> 2u)] >> 8u * (r & 3u) & 255u;
     if (left == 0u || (swarm.listed >> r & 1u) == 0u) continue;
     uint at = commands.begin[r] + prefix[prefixOfBlock(block, swarm.run_count) + r] + prefix[prefixOfRun(run) + r];
     uint grain = run * kRunGrains;

@@ -11,6 +11,10 @@ in vec3 normal_ws;
 in vec2 uv_out;
 flat in uint look;
 flat in uint id;
+flat in uint number;
+
+layout(location = 4) out uint visible_grain;
+
 #ifdef MOTION
 in vec3 previous_clip;
 #endif
@@ -28,5 +32,6 @@ void main() {
   s.motion_px = vec2(0.0);
 #endif
   s.id = id;
+  visible_grain = number;
   writeGbuffer(s);
 }

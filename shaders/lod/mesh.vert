@@ -11,6 +11,7 @@ out vec3 normal_ws;
 out vec2 uv_out;
 flat out uint look;
 flat out uint id;
+flat out uint number;  // over all that is drawn, + 1
 #ifdef MOTION
 out vec3 previous_clip;  // x, y, w
 #endif
@@ -29,4 +30,5 @@ void main() {
   uv_out = uv;
   look = record.look;
   id = idOf(grain);
+  number = swarm.first + grain + 1u;
 }

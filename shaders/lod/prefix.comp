@@ -2,19 +2,19 @@
 #include "lib/swarm.glsl"
 #include "lib/swarm_lists.glsl"
 
-layout(local_size_x = 8) in;
+layout(local_size_x = kRepresentations) in;
 
 layout(std430, binding = kSwarmCountsBinding) readonly buffer Counts { uint counts[]; };
 layout(std430, binding = kSwarmPrefixBinding) writeonly buffer Prefix { uint prefix[]; };
 
 void main() {
   uint block = gl_WorkGroupID.x, representation = gl_LocalInvocationID.x;
-  uint half_run = representation >> 2u, shift = 8u * (representation & 3u);
+  uint word = representation >> 2u, shift = 8u * (representation & 3u);
   uint end = min((block + 1u) * kBlockRuns, swarm.run_count);
   uint sum = 0u;
   for (uint run = block * kBlockRuns; run < end; ++run) {
     prefix[prefixOfRun(run) + representation] = sum;
-    sum += counts[2u * run + half_run] >> shift & 255u;
+    sum += counts[kCountWords * run + word] >> shift & 255u;
   }
   prefix[prefixOfBlock(block, swarm.run_count) + representation] = sum;
 }

@@ -18,14 +18,16 @@ struct SwarmRecord {
   uint size;      // packGrainSize()
 };
 
-// How a grain is drawn. The order is that of cost.
+// How a grain is drawn. What may well hide others is drawn first; the rest if the depth pyramid does not hide it.
 const uint kNotDrawn = 0u;
 const uint kPoint = 1u;
 const uint kImpostor = 2u;
-const uint kOccluder = 3u;  // an impostor that is drawn first, as it may well hide others
-const uint kMesh = 4u;      // level 0; the coarser ones follow
+const uint kFirstImpostor = 3u;
+const uint kMesh = 4u;  // level 0; the coarser ones follow
 const uint kMeshLevels = 4u;
-const uint kRepresentations = 8u;
+const uint kFirstMesh = 8u;  // likewise
+const uint kRepresentations = 12u;
+const uint kCountWords = 3u;  // of a run's counts, a byte a representation
 const uint kMeshParts = 4u;  // of a shape, each of another material
 
 // Grains that one invocation of the routing programs walks through, in order: what makes a list the
@@ -57,9 +59,9 @@ struct SwarmBlock {
   float roughness;       // mean over the shape
   float metallic;
   float candidate_cell;  // cells of the candidate map, in sizes of a grain
+  uint cull;             // 1: what the depth pyramid hides is not drawn
   uint pad0;
   uint pad1;
-  uint pad2;
 };
 
 // std430: where the lists of the representations are, and what draws them.
@@ -77,11 +79,12 @@ struct DrawElementsCommand {
   uint base_instance;
 };
 struct SwarmCommands {
-  uint begin[8];  // by representation, in the list
-  uint count[8];
-  DrawArraysCommand occluders;  // three vertices a grain: gl_VertexID / 3 is its place in the list
+  uint begin[12];  // by representation, in the list
+  uint count[12];
+  DrawArraysCommand first_impostors;  // three vertices a grain: gl_VertexID / 3 is its place in the list
   DrawArraysCommand impostors;
-  DrawElementsCommand meshes[16];  // by level, then part; the base instance is the first one's place in the list
+  DrawElementsCommand first_meshes[16];  // by level, then part; the base instance is the first one's place in the
+  DrawElementsCommand meshes[16];        // list
   uint listed;                    // entries in the list so far
 };
 
@@ -149,14 +152,15 @@ RULE bool isBelow(float size_px, float threshold, float band, bool was_above) {
   return size_px < threshold * (was_above ? 1.0f - band : 1.0f + band);
 }
 
-// How a grain of this size is drawn that was drawn as `before`.
-RULE uint representationOf(float size_px, uint before, SwarmBlock swarm) {
+// How a grain of this size is drawn that was drawn as `drawn_as`: kPoint, kImpostor or kMesh and so on.
+RULE uint representationOf(float size_px, uint drawn_as, SwarmBlock swarm) {
+  uint before = drawn_as >= kFirstMesh ? drawn_as - (kFirstMesh - kMesh) : drawn_as;
   bool known = before != kNotDrawn;
   float band = known ? swarm.band : 0.0f;
   bool was_mesh = before >= kMesh;
   if (isBelow(size_px, swarm.point_px, band, before > kPoint)) return kPoint;
   if (isBelow(size_px, swarm.impostor_px, band, was_mesh) &&
-      !isBelow(size_px, swarm.impostor_from_px, band, before == kImpostor || before == kOccluder))
+      !isBelow(size_px, swarm.impostor_from_px, band, before == kImpostor || before == kFirstImpostor))
     return kImpostor;
   uint level = kMeshLevels - 1u;
   while (level > 0u && !isBelow(size_px, swarm.mesh_px[int(level)], band, was_mesh && before - kMesh < level)) --level;
