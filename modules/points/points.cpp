@@ -17,8 +17,10 @@ namespace scree {
 namespace {
 
 constexpr const char *kKeys = "points.keys", *kSums = "points.sums";
-constexpr uint32_t kGroup = 64;  // local size of the splats
 constexpr int kSurface = 0, kToSun = 1, kLeastArea = 2;  // uniform locations
+void dispatch(const SwarmPart& part) {
+  gpu::dispatchIndirect(*part.commands, offsetof(rules::SwarmCommands, point_groups));
+}
 // A pixel is drawn if points cover at least this share of it.
 constexpr float kLeastShare = 0.5f;
 
@@ -70,10 +72,12 @@ struct Points {
     if (!programs[set]) programs[set] = programOf(name, set);
     return *programs[set];
   }
-  // The buffer of `words` a pixel, emptied and bound.
-  static void ready(gpu::Buffer& buffer, const char* label, size_t words, int binding, ivec2 size) {
-    gpu::reserve(buffer, label, 4 * words * static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
-    buffer.fill(0);
+  // The buffer of `words` a pixel, bound; emptied if it is new, or not by those who read it.
+  enum class EmptiedBy { Reader, Us };
+  static void ready(gpu::Buffer& buffer, const char* label, size_t words, int binding, ivec2 size, EmptiedBy by) {
+    const bool fresh =
+        gpu::reserve(buffer, label, 4 * words * static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+    if (fresh || by == EmptiedBy::Us) buffer.fill(0);
     buffer.bindStorage(static_cast<unsigned>(binding));
   }
   // Calls each(part) with its grains bound.
@@ -89,20 +93,20 @@ struct Points {
 
 void splatDepth(Points& points, ivec2 size) {
   if (!points.depth.use()) return;
-  Points::ready(points.keys, kKeys, 1, rules::kPointKeysBinding, size);
+  Points::ready(points.keys, kKeys, 1, rules::kPointKeysBinding, size, Points::EmptiedBy::Us);
   points.tiles.clear(size);
-  points.eachPart([](const SwarmPart& part) { gpu::dispatchItems(part.runs, kGroup); });
+  points.eachPart([](const SwarmPart& part) { dispatch(part); });
 }
 
 void splatSums(Points& points, ivec2 size, unsigned features) {
   features &= kIds | kSurfaces;
   if (!Points::made(points.sum, "sum", features).use()) return;
-  Points::ready(points.sums, kSums, 4, rules::kPointSumsBinding, size);
-  if ((features & kIds) != 0) Points::ready(points.ids, "points.ids", 1, rules::kPointIdsBinding, size);
+  Points::ready(points.sums, kSums, 4, rules::kPointSumsBinding, size, Points::EmptiedBy::Reader);
+  if ((features & kIds) != 0) Points::ready(points.ids, "points.ids", 1, rules::kPointIdsBinding, size, Points::EmptiedBy::Us);
   if ((features & kSurfaces) != 0)
-    Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size);
+    Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size, Points::EmptiedBy::Reader);
   points.keys.bindStorage(rules::kPointKeysBinding);
-  points.eachPart([](const SwarmPart& part) { gpu::dispatchItems(part.runs, kGroup); });
+  points.eachPart([](const SwarmPart& part) { dispatch(part); });
 }
 
 void resolve(Points& points, unsigned features) {
@@ -134,8 +138,8 @@ void addPoints(App& app) {
                .stage = Stage::GeometryLate,
                .needs_text = kNeeds,
                .needs = needs,
-               .needs_content = {std::string(kSwarmRoutes)},
-               .uses = {{std::string(kSwarmRoutes), Access::StorageRead}, {kKeys, Access::StorageWrite}},
+               .needs_content = {std::string(kSwarmLists)},
+               .uses = {{std::string(kSwarmRoutes), Access::StorageRead}, {std::string(kSwarmLists), Access::Indirect}, {kKeys, Access::StorageWrite}},
                .run = [points](PassContext& context) { splatDepth(*points, context.input.size); }});
   app.addPass({.name = "points.sum",
                .stage = Stage::GeometryLate,

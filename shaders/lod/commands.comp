@@ -51,4 +51,8 @@ void main() {
     }
   }
   if (representation == 0u) commands.listed = end;
+#ifdef FIRST
+  if (representation == kPoint)
+    commands.point_groups = uint[3](sum > 0u ? (swarm.run_count + 63u) / 64u : 0u, 1u, 1u);
+#endif
 }

@@ -1,11 +1,11 @@
-// The pixels that points cover, into the G-buffer.
+// The pixels that points cover, into the G-buffer; their sums are emptied.
 #include "lib/gbuffer.glsl"
 #include "shared/points.h"
 
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
-layout(std430, binding = kPointSumsBinding) readonly buffer Sums { uvec4 sums[]; };
+layout(std430, binding = kPointSumsBinding) buffer Sums { uvec4 sums[]; };
 #ifdef SURFACES
-layout(std430, binding = kPointSurfacesBinding) readonly buffer Surfaces { uvec2 surfaces[]; };
+layout(std430, binding = kPointSurfacesBinding) buffer Surfaces { uvec2 surfaces[]; };
 #endif
 #ifdef IDS
 layout(std430, binding = kPointIdsBinding) readonly buffer Ids { uint ids[]; };
@@ -26,6 +26,12 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uint here = at(pixel);
   uvec4 sum = sums[here];
+  // Zero again for the next frame: nothing is added beyond the tiles that are drawn here.
+  if (sum.w != 0u) sums[here] = uvec4(0u);
+#ifdef SURFACES
+  uvec2 surface_sum = surfaces[here];
+  if (sum.w != 0u) surfaces[here] = uvec2(0u);
+#endif
   float area = float(sum.w) / kPointAreaSteps;
   if (area < least_area) discard;
   uint key = keys[here];
@@ -46,7 +52,7 @@ void main() {
   Surface s;
   s.albedo = vec3(sum.rgb) / (255.0 * float(sum.w));
 #ifdef SURFACES
-  vec2 look = vec2(surfaces[here]) / (255.0 * float(sum.w));
+  vec2 look = vec2(surface_sum) / (255.0 * float(sum.w));
 #else
   vec2 look = surface;
 #endif

@@ -86,6 +86,7 @@ struct SwarmCommands {
   DrawElementsCommand first_meshes[16];  // by level, then part; the base instance is the first one's place in the
   DrawElementsCommand meshes[16];        // list
   uint listed;                    // entries in the list so far
+  uint point_groups[3];           // work groups of 64 runs for programs that visit all points; 0: there is none
 };
 
 // Quaternion x, y, z, w -> the three smaller components in 10 bits each, and which one is left out. A
