@@ -17,10 +17,16 @@ struct Impostors {
   explicit Impostors(App& app) : world(app.world()) {}
 
   World& world;
-  gpu::Program visible{{.name = "impostors.visible", .vertex = "impostors/visible.vert", .fragment = "impostors/visible.frag"}};
+  gpu::Program visible = visibleProgram({}), small = visibleProgram({"SMALL"});
   MarkedTiles tiles{"impostors.tiles"};
   gpu::Program still = resolveProgram({}), moving = resolveProgram({"MOTION"});
 
+  static gpu::Program visibleProgram(std::vector<std::string> defines) {
+    return gpu::Program({.name = defines.empty() ? "impostors.visible" : "impostors.visible_small",
+                         .vertex = "impostors/visible.vert",
+                         .fragment = "impostors/visible.frag",
+                         .defines = std::move(defines)});
+  }
   static gpu::Program resolveProgram(std::vector<std::string> defines) {
     return gpu::Program({.name = defines.empty() ? "impostors.resolve" : "impostors.resolve_motion",
                          .vertex = "lib/tiles.vert",
@@ -41,11 +47,18 @@ struct Impostors {
       each(part);
     }
   }
-  void drawVisible(size_t command) {
-    if (!visible.use()) return;
-    tiles.bind();
+  // `first`: rules::kFirst, or 0.
+  void drawVisible(uint32_t first) {
     gpu::apply({.cull = gpu::Cull::None});
-    eachPart([&](const SwarmPart& part) { gpu::drawVertexlessIndirect(GL_TRIANGLES, *part.commands, command); });
+    tiles.bind();
+    const auto draw = [&](gpu::Program& program, uint32_t representation) {
+      if (!swarms().mayBe(representation) || !program.use()) return;
+      const size_t command =
+          offsetof(rules::SwarmCommands, impostors) + (representation + first) * sizeof(rules::DrawArraysCommand);
+      eachPart([&](const SwarmPart& part) { gpu::drawVertexlessIndirect(GL_TRIANGLES, *part.commands, command); });
+    };
+    draw(visible, rules::kImpostor);
+    draw(small, rules::kSmallImpostor);
   }
   void resolve(PassContext& context) {
     if (!(context.frame.isRead(kGbufferMotion) ? moving : still).use()) return;
@@ -61,7 +74,7 @@ struct Impostors {
 void addImpostors(App& app) {
   app.world().singleton<ImpostorStore>();
   const auto impostors = std::make_shared<Impostors>(app);
-  const auto needs = [impostors] { return impostors->swarms().mayBe(rules::kImpostor); };
+  const auto needs = [impostors] { return impostors->swarms().mayBe(rules::kImpostor) || impostors->swarms().mayBe(rules::kSmallImpostor); };
   constexpr const char* kNeeds = "a swarm that may be impostors";
   const std::string visible(kSwarmVisible), depth(kGbufferDepth), lists(kSwarmLists), late_lists(kSwarmLateLists);
 
@@ -73,7 +86,7 @@ void addImpostors(App& app) {
                .uses = {{visible, Access::Color}, {depth, Access::Depth}, {lists, Access::Indirect}, {lists, Access::StorageRead}},
                .run = [impostors](PassContext& context) {
                  impostors->tiles.clear(context.input.size);
-                 impostors->drawVisible(offsetof(rules::SwarmCommands, first_impostors));
+                 impostors->drawVisible(rules::kFirst);
                }});
   app.addPass({.name = "impostors.visible_late",
                .stage = Stage::GeometryLate,
@@ -85,7 +98,7 @@ void addImpostors(App& app) {
                         {late_lists, Access::Indirect},
                         {late_lists, Access::StorageRead}},
                .run = [impostors](PassContext&) {
-                 impostors->drawVisible(offsetof(rules::SwarmCommands, impostors));
+                 impostors->drawVisible(0);
                }});
   app.addPass({.name = "impostors.resolve",
                .stage = Stage::GeometryLate,

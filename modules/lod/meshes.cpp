@@ -37,8 +37,8 @@ struct MeshPrograms {
   }
 };
 
-// `commands`: place of the commands in SwarmCommands.
-void draw(SwarmsDrawn::State& state, MeshPrograms& programs, bool motion, size_t commands) {
+// `first`: rules::kFirst, or 0.
+void draw(SwarmsDrawn::State& state, MeshPrograms& programs, bool motion, uint32_t first) {
   gpu::Program& program = motion ? programs.moving : programs.still;
   if (!program.use()) return;
   MeshStore& meshes = state.world.singleton<MeshStore>();
@@ -59,13 +59,14 @@ void draw(SwarmsDrawn::State& state, MeshPrograms& programs, bool motion, size_t
       materials.bind(mesh_parts[k].material);
       constexpr size_t kCommand = sizeof(rules::DrawElementsCommand);
       gpu::drawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, part.chunk->commands,
-                                commands + k * kCommand,
+                                offsetof(rules::SwarmCommands, meshes) +
+                                    rules::meshCommand(rules::kMesh + first, static_cast<uint32_t>(k)) * kCommand,
                                 static_cast<int>(shape.levels.size()), static_cast<int>(rules::kMeshParts * kCommand));
     }
   }
 }
 
-PassDesc passOf(const SharedState& state, const char* name, Stage stage, std::string_view lists, size_t commands) {
+PassDesc passOf(const SharedState& state, const char* name, Stage stage, std::string_view lists, uint32_t first) {
   const auto programs = std::make_shared<MeshPrograms>();
   return {.name = name,
           .stage = stage,
@@ -75,19 +76,19 @@ PassDesc passOf(const SharedState& state, const char* name, Stage stage, std::st
           .uses = gbufferUses({{std::string(kSwarmVisible), Access::Color},
                                {std::string(lists), Access::Indirect},
                                {std::string(lists), Access::Vertex}}),
-          .run = [state, programs, commands](PassContext& context) {
-            draw(*state, *programs, context.frame.isRead(kGbufferMotion), commands);
+          .run = [state, programs, first](PassContext& context) {
+            draw(*state, *programs, context.frame.isRead(kGbufferMotion), first);
           }};
 }
 
 }  // namespace
 
 PassDesc meshPass(const SharedState& state) {
-  return passOf(state, "lod.meshes", Stage::Geometry, kSwarmLists, offsetof(rules::SwarmCommands, first_meshes));
+  return passOf(state, "lod.meshes", Stage::Geometry, kSwarmLists, rules::kFirst);
 }
 
 PassDesc lateMeshPass(const SharedState& state) {
-  return passOf(state, "lod.meshes_late", Stage::GeometryLate, kSwarmLateLists, offsetof(rules::SwarmCommands, meshes));
+  return passOf(state, "lod.meshes_late", Stage::GeometryLate, kSwarmLateLists, 0);
 }
 
 }  // namespace scree::lod

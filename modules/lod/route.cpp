@@ -97,7 +97,7 @@ PassDesc lateListPass(const SharedState& state) {
   return {.name = "lod.list_late",
           .stage = Stage::RouteLate,
           .needs_text = "a swarm that may be more than points",
-          .needs = [state] { return state->possible >> rules::kImpostor != 0; },
+          .needs = [state] { return state->possible >> rules::kSmallImpostor != 0; },
           .needs_content = {std::string(kSwarmLists)},
           .uses = {{std::string(kSwarmRoutes), Access::StorageWrite},
                    {std::string(kSwarmLists), Access::StorageRead},
@@ -114,7 +114,7 @@ PassDesc seePass(const SharedState& state) {
   return {.name = "lod.see",
           .stage = Stage::Shade,
           .needs_text = "a swarm that may be more than points",
-          .needs = [state] { return state->possible >> rules::kImpostor != 0; },
+          .needs = [state] { return state->possible >> rules::kSmallImpostor != 0; },
           .needs_content = {std::string(kSwarmVisible)},
           .uses = {{std::string(kSwarmVisible), Access::Sampled}, {kSeen, Access::StorageWrite}},
           .run = [state, see](PassContext& context) {

@@ -31,7 +31,7 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings)
     t.point_px = kEver;
     return t;
   }
-  const bool only_impostors = settings.only == rules::kImpostor || settings.only == rules::kFirstImpostor;
+  const bool only_impostors = settings.only == rules::kImpostor || settings.only == rules::kSmallImpostor;
   if (!only_impostors) t.point_px = std::min(tolerance, kMostPointPx);
   if (only_impostors && !shape.impostor.empty()) {
     t.impostor_px = kEver;

@@ -21,8 +21,9 @@ rules::SwarmCommands commandsOf(const MeshStore& meshes, const GrainShape& shape
   for (size_t level = 0; level < shape.levels.size(); ++level) {
     const std::vector<MeshPart>& parts = meshes.mesh(shape.levels[level].mesh).parts;
     for (size_t k = 0; k < parts.size(); ++k)
-      commands.first_meshes[level * rules::kMeshParts + k] = commands.meshes[level * rules::kMeshParts + k] = {
-          parts[k].index_count, 0, parts[k].first_index, parts[k].base_vertex, 0};
+      for (const uint32_t first : {0u, rules::kFirst})
+        commands.meshes[rules::meshCommand(rules::kMesh + static_cast<uint32_t>(level) + first, static_cast<uint32_t>(k))] = {
+            parts[k].index_count, 0, parts[k].first_index, parts[k].base_vertex, 0};
   }
   return commands;
 }
@@ -80,8 +81,8 @@ uint32_t possibleOf(const LodThresholds& t, size_t levels) {
   const auto add = [&](uint32_t representation) { possible |= 1u << representation; };
   if (t.point_px > 0) add(rules::kPoint);
   if (t.impostor_px > t.impostor_from_px) {
-    add(rules::kImpostor);
-    add(rules::kFirstImpostor);
+    if (t.impostor_from_px < rules::kSmallPx) add(rules::kSmallImpostor);
+    if (t.impostor_px > rules::kSmallPx) add(rules::kImpostor);
   }
   const float most = std::max(t.point_px, t.impostor_px);
   if (most > rules::kLargestPx) return possible;  // one for all sizes
@@ -140,10 +141,10 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     part.casts = placed.casts;
     part.cast_share = shape.cast_share;
     part.largest_radius = stored.largest_radius;
-    constexpr uint32_t kFirst = 15u << rules::kFirstMesh | 1u << rules::kFirstImpostor;
-    block.listed = kFirst;
+    constexpr uint32_t kLate = (1u << rules::kFirst) - (1u << rules::kSmallImpostor);
+    block.listed = kLate << rules::kFirst;
     part.early = state.blocks.write(block);
-    block.listed = 15u << rules::kMesh | 1u << rules::kImpostor;
+    block.listed = kLate;
     part.late = state.blocks.write(block);
     state.parts.push_back(part);
     state.grain_count += chunk.count;

@@ -16,8 +16,8 @@ void main() {
   uint number = texelFetch(visible_grains, ivec2(gl_FragCoord.xy), 0).r;
   uint grain = number - 1u - swarm.first;
   if (number == 0u || grain >= swarm.count) discard;
-  uint route = representations[grain / 8u] >> 4u * (grain & 7u) & 15u;
-  if (route != kImpostor && route != kFirstImpostor) discard;
+  uint route = representations[grain / 8u] >> 4u * (grain & 7u) & (kFirst - 1u);
+  if (route != kImpostor && route != kSmallImpostor) discard;
   SwarmRecord record = records[grain];
   vec3 center = centerOf(record);
   float radius = radiusOf(record), scale = 1.0 / radius;

@@ -3,24 +3,33 @@
 #include "impostors/atlas.glsl"
 
 in vec2 on_disc;
+flat in uint number;
+#ifdef SMALL
+in vec2 uv;
+flat in vec2 layer_level;
+#else
 in vec3 point;
 flat in vec3 eye;
 flat in vec3 weight;
 flat in uvec3 layer;
 flat in vec3 right[3], up[3];
 flat in float level;
-flat in uint number;
+#endif
 
 layout(location = 0) out uint visible_grain;
 
 void main() {
   if (dot(on_disc, on_disc) > 1.0) discard;
+#ifdef SMALL
+  float coverage = textureLod(atlas_shape, vec3(uv, layer_level.x), layer_level.y).r;
+#else
   vec3 seen = impostorOnProxy(impostorRay(point, point - eye), atlas.proxy);
   float coverage = 0.0;
   for (int k = 0; k < 3; ++k) {
-    vec2 uv = vec2(dot(seen, right[k]), dot(seen, up[k])) + 0.5;
-    coverage += weight[k] * textureLod(atlas_shape, vec3(uv, float(layer[k])), level).r;
+    vec2 at = vec2(dot(seen, right[k]), dot(seen, up[k])) + 0.5;
+    coverage += weight[k] * textureLod(atlas_shape, vec3(at, float(layer[k])), level).r;
   }
+#endif
   if (coverage < 0.5) discard;
   visible_grain = number;
 }

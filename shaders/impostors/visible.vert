@@ -1,4 +1,5 @@
-// The triangle around the silhouette disc of each listed grain's outer sphere, and which views it shows.
+// The triangle around the silhouette disc of each listed grain's outer sphere, and which views it shows. SMALL: the
+// nearest view alone, as if all rays were parallel.
 #define SWARM_LISTED
 #include "lib/mark_tiles.glsl"
 #include "lib/swarm.glsl"
@@ -6,12 +7,17 @@
 #include "shared/sphere.h"
 
 out vec2 on_disc;
+#ifdef SMALL
+out vec2 uv;
+flat out vec2 layer_level;
+#else
 out vec3 point;        // on the disc, grain's space
 flat out vec3 eye;     // grain's space
 flat out vec3 weight;
 flat out uvec3 layer;
 flat out vec3 right[3], up[3];  // a point's place in the views' images, from their middle
 flat out float level;
+#endif
 flat out uint number;  // over all that is drawn, + 1
 
 // Pixels around which the box around the sphere may show.
@@ -44,9 +50,17 @@ void main() {
   if (disc.radius == 0.0) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 
   float scale = 1.0 / radius;
-  point = toGrain(rotation, relative - center) * scale;
-  eye = toGrain(rotation, -center) * scale;
-  ImpostorViews views = impostorViews(eye, atlas.edge);
+  vec3 here = toGrain(rotation, relative - center) * scale, to_eye = toGrain(rotation, -center) * scale;
+  ImpostorViews views = impostorViews(to_eye, atlas.edge);
+  float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
+  float shape_level = float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias));
+#ifdef SMALL
+  bool first = views.weight.x >= max(views.weight.y, views.weight.z), second = views.weight.y >= views.weight.z;
+  uv = impostorUv(here, first ? views.axis0 : second ? views.axis1 : views.axis2, atlas.extent);
+  layer_level = vec2(float(first ? views.layer0 : second ? views.layer1 : views.layer2), shape_level);
+#else
+  point = here;
+  eye = to_eye;
   weight = views.weight;
   layer = uvec3(views.layer0, views.layer1, views.layer2);
   vec3 axis[3] = vec3[3](views.axis0, views.axis1, views.axis2);
@@ -55,7 +69,7 @@ void main() {
     right[k] = basis.right * atlas.half_over_extent;
     up[k] = basis.up * atlas.half_over_extent;
   }
-  float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
-  level = float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias));
+  level = shape_level;
+#endif
   number = swarm.first + grain + 1u;
 }

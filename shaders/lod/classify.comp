@@ -16,7 +16,7 @@ uint representationNow(SwarmRecord grain, uint before) {
   float distance = length(center);
   float size_px = sizePx(radius, distance, view.pixels_at_1m);
   uint now = representationOf(size_px, before, swarm);
-  if (now >= kImpostor) {
+  if (now > kPoint) {
     uint cell = candidateCell(pixelOf(view, center), size_px, swarm.candidate_cell, ivec2(view.size_px));
     uint key = candidateKey(distance);
     if (nearest[cell] < key) atomicMax(nearest[cell], key);

@@ -35,20 +35,12 @@ void main() {
   if (listed) {
     commands.begin[representation] = begin;
     commands.count[representation] = sum;
-    DrawArraysCommand triangles = DrawArraysCommand(3u * sum, 1u, 3u * begin, 0u);
-    if (representation == kFirstImpostor) commands.first_impostors = triangles;
-    if (representation == kImpostor) commands.impostors = triangles;
-    for (uint part = 0u; part < kMeshParts; ++part) {
-      if (representation >= kFirstMesh) {
-        uint at = (representation - kFirstMesh) * kMeshParts + part;
-        commands.first_meshes[at].instances = sum;
-        commands.first_meshes[at].base_instance = begin;
-      } else if (representation >= kMesh) {
-        uint at = (representation - kMesh) * kMeshParts + part;
-        commands.meshes[at].instances = sum;
-        commands.meshes[at].base_instance = begin;
+    commands.impostors[representation] = DrawArraysCommand(3u * sum, 1u, 3u * begin, 0u);
+    if ((representation & kMesh) != 0u)
+      for (uint part = 0u; part < kMeshParts; ++part) {
+        commands.meshes[meshCommand(representation, part)].instances = sum;
+        commands.meshes[meshCommand(representation, part)].base_instance = begin;
       }
-    }
   }
   if (representation == 0u) commands.listed = end;
 #ifdef FIRST

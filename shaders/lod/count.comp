@@ -26,7 +26,7 @@ void main() {
   uint run = gl_GlobalInvocationID.x;
   if (run >= swarm.run_count) return;
   uint grain = run * kRunGrains;
-  uint count[kCountWords] = uint[kCountWords](0u, 0u, 0u);
+  uint count[kCountWords] = uint[kCountWords](0u, 0u, 0u, 0u);
 #ifdef LATE
   OcclusionView eye = occlusionView();
 #else
@@ -38,18 +38,18 @@ void main() {
     uint before = representations[word], now = before;
     for (uint k = 0u, rest = before; rest != 0u; ++k, rest >>= 4u) {
       uint r = rest & 15u;
-      if (r == kImpostor || (r >= kMesh && r < kFirstMesh)) {
+      if (r > kPoint && r < kFirst) {
         SwarmRecord record = records[grain + k];
         vec3 center = centerOf(record);
         float radius = radiusOf(record);
 #ifdef LATE
-        bool disc = r == kImpostor;
+        bool disc = r < kMesh;
         float reach_px = disc ? kReachCenters : kReachTouched;
         if (swarm.cull != 0u && occluded(sphereBounds(eye, center, radius, reach_px, disc))) r = kNotDrawn;
 #else
         uint in_run = grain + k - run * kRunGrains;
         bool known = ((in_run < 32u ? was_seen.x : was_seen.y) >> (in_run & 31u) & 1u) != 0u;
-        if (known || isCandidate(center, radius)) r = r == kImpostor ? kFirstImpostor : r + (kFirstMesh - kMesh);
+        if (known || isCandidate(center, radius)) r += kFirst;
 #endif
         now ^= ((rest & 15u) ^ r) << 4u * k;
       }

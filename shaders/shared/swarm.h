@@ -21,13 +21,15 @@ struct SwarmRecord {
 // How a grain is drawn. What may well hide others is drawn first; the rest if the depth pyramid does not hide it.
 const uint kNotDrawn = 0u;
 const uint kPoint = 1u;
-const uint kImpostor = 2u;
-const uint kFirstImpostor = 3u;
+const uint kSmallImpostor = 2u;  // of one view, below kSmallPx
+const uint kImpostor = 3u;
 const uint kMesh = 4u;  // level 0; the coarser ones follow
 const uint kMeshLevels = 4u;
-const uint kFirstMesh = 8u;  // likewise
-const uint kRepresentations = 12u;
-const uint kCountWords = 3u;  // of a run's counts, a byte a representation
+const uint kFirst = 8u;  // added to these: drawn first
+const uint kRepresentations = 16u;
+const uint kCountWords = 4u;  // of a run's counts, a byte a representation
+// The nearest view alone is off by less than a tenth of such a grain, and in place of which view it is.
+const float kSmallPx = 4.0f;
 const uint kMeshParts = 4u;  // of a shape, each of another material
 
 // Grains that one invocation of the routing programs walks through, in order: what makes a list the
@@ -79,15 +81,19 @@ struct DrawElementsCommand {
   uint base_instance;
 };
 struct SwarmCommands {
-  uint begin[12];  // by representation, in the list
-  uint count[12];
-  DrawArraysCommand first_impostors;  // three vertices a grain: gl_VertexID / 3 is its place in the list
-  DrawArraysCommand impostors;
-  DrawElementsCommand first_meshes[16];  // by level, then part; the base instance is the first one's place in the
-  DrawElementsCommand meshes[16];        // list
+  uint begin[16];  // by representation, in the list
+  uint count[16];
+  DrawArraysCommand impostors[16];  // by representation; three vertices a grain: gl_VertexID / 3 is its place in the list
+  DrawElementsCommand meshes[32];   // meshCommand(); the base instance is the first one's place in the list
   uint listed;                    // entries in the list so far
   uint point_groups[3];           // work groups of 64 runs for programs that visit all points; 0: there is none
 };
+
+// Place in SwarmCommands::meshes of a level, kMesh and so on, drawn first or not, and a part of it.
+RULE uint meshCommand(uint representation, uint part) {
+  uint level = (representation & (kMeshLevels - 1u)) + (representation >= kFirst ? kMeshLevels : 0u);
+  return level * kMeshParts + part;
+}
 
 // Quaternion x, y, z, w -> the three smaller components in 10 bits each, and which one is left out. A
 // point of the shape is off by less than 4.1e-3 outer radii.
@@ -153,16 +159,16 @@ RULE bool isBelow(float size_px, float threshold, float band, bool was_above) {
   return size_px < threshold * (was_above ? 1.0f - band : 1.0f + band);
 }
 
-// How a grain of this size is drawn that was drawn as `drawn_as`: kPoint, kImpostor or kMesh and so on.
+// How a grain of this size is drawn that was drawn as `drawn_as`; not yet whether first.
 RULE uint representationOf(float size_px, uint drawn_as, SwarmBlock swarm) {
-  uint before = drawn_as >= kFirstMesh ? drawn_as - (kFirstMesh - kMesh) : drawn_as;
+  uint before = drawn_as & (kFirst - 1u);
   bool known = before != kNotDrawn;
   float band = known ? swarm.band : 0.0f;
   bool was_mesh = before >= kMesh;
   if (isBelow(size_px, swarm.point_px, band, before > kPoint)) return kPoint;
   if (isBelow(size_px, swarm.impostor_px, band, was_mesh) &&
-      !isBelow(size_px, swarm.impostor_from_px, band, before == kImpostor || before == kFirstImpostor))
-    return kImpostor;
+      !isBelow(size_px, swarm.impostor_from_px, band, before == kImpostor || before == kSmallImpostor))
+    return isBelow(size_px, kSmallPx, band, before >= kImpostor) ? kSmallImpostor : kImpostor;
   uint level = kMeshLevels - 1u;
   while (level > 0u && !isBelow(size_px, swarm.mesh_px[int(level)], band, was_mesh && before - kMesh < level)) --level;
   return kMesh + level;

@@ -38,16 +38,16 @@ Expected expectedRoutes(SwarmScene& scene, std::span<const rules::SwarmRecord> r
       if (std::abs(depth + radius) < 1e-5f * distance) expected.doubtful[k] = true;
     }
     const float size = rules::sizePx(radius, distance, view.pixels_at_1m);
-    for (const float t : {block.point_px, block.impostor_px, block.impostor_from_px, block.mesh_px.y, block.mesh_px.z, block.mesh_px.w})
+    for (const float t : {block.point_px, block.impostor_px, block.impostor_from_px, rules::kSmallPx, block.mesh_px.y, block.mesh_px.z, block.mesh_px.w})
       if (std::abs(size - t) < 1e-5f * size) expected.doubtful[k] = true;
     expected.route[k] = outside ? rules::kNotDrawn : rules::representationOf(size, rules::kNotDrawn, block);
-    if (expected.route[k] < rules::kImpostor) continue;
+    if (expected.route[k] <= rules::kPoint) continue;
     cell[k] = rules::candidateCell(rules::pixelOf(view, center), size, block.candidate_cell, scene.size);
     key[k] = rules::candidateKey(distance);
     nearest[cell[k]] = std::max(nearest[cell[k]], key[k]);
   }
   for (size_t k = 0; k < records.size(); ++k) {
-    if (expected.route[k] < rules::kImpostor) continue;
+    if (expected.route[k] <= rules::kPoint) continue;
     const vec3 center = vec3(block.origin) + vec3(records[k].x, records[k].y, records[k].z);
     const vec2 pixel = rules::pixelOf(view, center);
     const float size = rules::sizePx(rules::radiusOf(records[k].size, block.origin.w), glm::length(center), view.pixels_at_1m);
@@ -55,9 +55,7 @@ Expected expectedRoutes(SwarmScene& scene, std::span<const rules::SwarmRecord> r
       for (const float s : {0.99999f, 1.00001f})
         if (rules::candidateCell(pixel + d, size * s, block.candidate_cell, scene.size) != cell[k]) expected.doubtful[k] = true;
     if (nearest[cell[k]] - key[k] <= 4 && nearest[cell[k]] != key[k]) expected.doubtful[k] = true;
-    if (nearest[cell[k]] == key[k])
-      expected.route[k] = expected.route[k] == rules::kImpostor ? rules::kFirstImpostor
-                                                                : expected.route[k] + (rules::kFirstMesh - rules::kMesh);
+    if (nearest[cell[k]] == key[k]) expected.route[k] += rules::kFirst;
   }
   return expected;
 }
@@ -79,16 +77,16 @@ void expectRoutes(SwarmScene& scene, uint32_t swarm, const char* what) {
     lists[route].push_back(k);
     doubtful += expected.doubtful[k];
     // Behind the depth pyramid: tests/occlusion and the pictures below say whether rightly so.
-    const uint32_t want = expected.route[k];
-    const bool hidden = route == rules::kNotDrawn && (want == rules::kImpostor || (want >= rules::kMesh && want < rules::kFirstMesh));
+    const bool hidden = route == rules::kNotDrawn && expected.route[k] > rules::kPoint && expected.route[k] < rules::kFirst;
     wrong += route != expected.route[k] && !hidden && !expected.doubtful[k];
   }
-  std::printf("%s: none %zu, points %zu, impostors %zu and first %zu, meshes %zu %zu %zu %zu and first %zu %zu %zu %zu; %zu doubtful\n",
-              what, of[0], of[1], of[2], of[3], of[4], of[5], of[6], of[7], of[8], of[9], of[10], of[11], doubtful);
+  std::printf("%s:", what);
+  for (const size_t n : of) std::printf(" %zu", n);
+  std::printf("; %zu doubtful\n", doubtful);
   EXPECT_EQ(wrong, 0u) << what;
   EXPECT_LE(doubtful, 20 + records.size() / 100) << what;
   // The lists are those of the routes, in the order of the rows.
-  for (uint32_t r = rules::kImpostor; r < rules::kRepresentations; ++r)
+  for (uint32_t r = rules::kSmallImpostor; r < rules::kRepresentations; ++r)
     EXPECT_EQ(listOf(part, r), lists[r]) << what << ", representation " << r;
 }
 

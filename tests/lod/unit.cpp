@@ -106,7 +106,7 @@ TEST(Representation, ErrorIsWithinTheToleranceAtEverySize) {
     const uint32_t r = rules::representationOf(size, rules::kNotDrawn, block);
     float error = 0;
     if (r == rules::kPoint) error = size;
-    if (r == rules::kImpostor)
+    if (r == rules::kImpostor || r == rules::kSmallImpostor)
       for (const SizeError& e : shape.impostor) {
         error = e.silhouette_px;
         if (e.size_px >= size) break;
