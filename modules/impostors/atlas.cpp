@@ -9,8 +9,9 @@ namespace scree {
 namespace {
 
 template <size_t kChannels>
-std::array<float, kChannels> sampleChannels(const std::vector<uint8_t>& data, const ImpostorAtlas& atlas, int level,
-                                            int layer, vec2 uv) {
+std::array<float, kChannels> sampleChannels(const std::vector<uint8_t>& data,
+                                            const ImpostorAtlas& atlas, int level, int layer,
+                                            vec2 uv) {
   const int side = atlas.side(level);
   const uint8_t* from = data.data() + atlas.offset(level, layer) * kChannels;
   // Beyond the edge all is the edge's; a number that is not finite reads the lower edge.
@@ -44,12 +45,14 @@ int ImpostorAtlas::levels() const {
 
 uint64_t ImpostorAtlas::levelOffset(int level) const {
   uint64_t before = 0;
-  for (int l = 0; l < level; ++l) before += static_cast<uint64_t>(views()) * static_cast<uint64_t>(side(l) * side(l));
+  for (int l = 0; l < level; ++l)
+    before += static_cast<uint64_t>(views()) * static_cast<uint64_t>(side(l) * side(l));
   return before;
 }
 
 uint64_t ImpostorAtlas::offset(int level, int layer) const {
-  return levelOffset(level) + static_cast<uint64_t>(layer) * static_cast<uint64_t>(side(level) * side(level));
+  return levelOffset(level) +
+         static_cast<uint64_t>(layer) * static_cast<uint64_t>(side(level) * side(level));
 }
 
 uint64_t impostorBytes(int edge, int texels) {
@@ -75,12 +78,13 @@ ImpostorError ImpostorErrors::at(ImpostorScheme scheme, float diameter_px) const
   size_t k = 1;
   while (k < kImpostorSizes && diameter_px > kImpostorSizesPx[k]) ++k;
   if (k == kImpostorSizes) return row[k - 1];
-  const float t = std::log(diameter_px / kImpostorSizesPx[k - 1]) / std::log(kImpostorSizesPx[k] / kImpostorSizesPx[k - 1]);
-  const auto between = [&](float ImpostorError::* member) {
+  const float t = std::log(diameter_px / kImpostorSizesPx[k - 1]) /
+                  std::log(kImpostorSizesPx[k] / kImpostorSizesPx[k - 1]);
+  const auto between = [&](float ImpostorError::*member) {
     return row[k - 1].*member + (row[k].*member - row[k - 1].*member) * t;
   };
-  return {between(&ImpostorError::ssim), between(&ImpostorError::flip), between(&ImpostorError::silhouette_px),
-          between(&ImpostorError::worst_silhouette_px)};
+  return {between(&ImpostorError::ssim), between(&ImpostorError::flip),
+          between(&ImpostorError::silhouette_px), between(&ImpostorError::worst_silhouette_px)};
 }
 
 }  // namespace scree

@@ -1,9 +1,11 @@
 // An impostor's atlas: what a grain looks like from the views of shared/impostor.h, as plain bytes.
 //
 //   texture  format  holds
-//   shape    RG8     coverage | height above the centre along the view's axis (impostorHeightFromCode)
+//   shape    RG8     coverage | height over the centre along the view's axis, as a code
 //   color    RGBA8   square root of the linear base colour (shared/gbuffer.h) | metallic
-//   normal   RGBA8   unit normal, grain's axes (impostorNormalFromCode) | perceptual roughness
+//   normal   RGBA8   unit normal in the grain's axes, as a code | perceptual roughness
+//
+// The codes are those of impostorHeightFromCode and impostorNormalFromCode.
 //
 // 10 bytes a texel. Each is an array texture of one layer a view and all mip levels down to 1 x 1,
 // stored level after level, in a level layer after layer, in a layer row after row from the bottom:
@@ -11,8 +13,8 @@
 //
 // Only coverage is 0 where nothing was seen. The other values are means over what was seen (not
 // multiplied by coverage: filter them as they are, weight the views with coverage), continued
-// outwards, so that no filter reads an undefined texel. The spread of the normals under a texel is in
-// its roughness (impostorSpread), not in the length of the normal.
+// outwards, so that no filter reads an undefined texel. The spread of the normals under a texel is
+// in its roughness (impostorSpread), not in the length of the normal.
 #pragma once
 
 #include <array>
@@ -37,26 +39,27 @@ inline constexpr uint64_t kImpostorMaxBytes = uint64_t{3} << 28;
 // Mesh: the mesh itself, one sample a pixel, for comparison.
 enum class ImpostorScheme : uint32_t { Planar, Spherical, Mixed, Proxy, Parallax, Mesh };
 inline constexpr size_t kImpostorSchemes = 6;
-inline constexpr const char* kImpostorSchemeNames[kImpostorSchemes] = {"planar", "spherical", "mixed",
-                                                                       "proxy", "parallax", "mesh"};
+inline constexpr const char* kImpostorSchemeNames[kImpostorSchemes] = {
+    "planar", "spherical", "mixed", "proxy", "parallax", "mesh"};
 // Diameters of the outer sphere at which errors are measured, pixels.
 inline constexpr size_t kImpostorSizes = 11;
-inline constexpr float kImpostorSizesPx[kImpostorSizes] = {4, 6, 8, 12, 16, 24, 32, 48, 64, 100, 160};
+inline constexpr float kImpostorSizesPx[kImpostorSizes] = {4,  6,  8,  12,  16, 24,
+                                                           32, 48, 64, 100, 160};
 
-// Of one scheme at one size, over random directions, lit by one lamp, against the mesh with 64 samples
-// a pixel on even grey (measure.h).
+// Of one scheme at one size, over random directions, lit by one lamp, against the mesh with 64
+// samples a pixel on even grey (measure.h).
 struct ImpostorError {
-  float ssim = 1;              // mean; 1 = equal
-  float flip = 0;              // mean; 0 = equal
-  float silhouette_px = 0;     // area between the silhouettes over the true one's length, mean
+  float ssim = 1;                 // mean; 1 = equal
+  float flip = 0;                 // mean; 0 = equal
+  float silhouette_px = 0;        // area between the silhouettes over the true one's length, mean
   float worst_silhouette_px = 0;  // the same, of the worst direction
 };
 struct ImpostorErrors {
   uint32_t directions = 0;  // 0: not measured
   std::array<std::array<ImpostorError, kImpostorSizes>, kImpostorSchemes> of{};
 
-  // At a diameter of so many pixels: between the sizes measured by the logarithm, beyond them that of the
-  // nearest.
+  // At a diameter of so many pixels: between the sizes measured by the logarithm, beyond them that
+  // of the nearest.
   ImpostorError at(ImpostorScheme scheme, float diameter_px) const;
 };
 

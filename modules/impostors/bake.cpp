@@ -23,19 +23,22 @@ constexpr double kViewsShare = 0.5;  // of the progress; measuring takes the res
 
 Shot shotOf(const vec3& axis, int texels, int supersample) {
   const rules::ImpostorBasis basis = rules::impostorBasis(axis);
-  return {dvec3(axis), dvec3(basis.right), dvec3(basis.up), static_cast<double>(rules::impostorExtent(texels)),
-          texels * supersample};
+  return {dvec3(axis), dvec3(basis.right), dvec3(basis.up),
+          static_cast<double>(rules::impostorExtent(texels)), texels * supersample};
 }
 
-std::vector<TexelSum> summed(const UnitGrain& grain, const std::vector<Seen>& seen, int texels, int supersample) {
+std::vector<TexelSum> summed(const UnitGrain& grain, const std::vector<Seen>& seen, int texels,
+                             int supersample) {
   std::vector<TexelSum> sums(static_cast<size_t>(texels) * static_cast<size_t>(texels));
   const int samples = texels * supersample;
   const float weight = 1.0f / static_cast<float>(supersample * supersample);
   for (int y = 0; y < samples; ++y) {
     for (int x = 0; x < samples; ++x) {
-      const Seen& s = seen[static_cast<size_t>(y) * static_cast<size_t>(samples) + static_cast<size_t>(x)];
+      const Seen& s =
+          seen[static_cast<size_t>(y) * static_cast<size_t>(samples) + static_cast<size_t>(x)];
       if (s.triangle < 0) continue;
-      const Surface surface = surfaceAt(grain, grain.triangles[static_cast<size_t>(s.triangle)], s.b, s.c, s.flipped);
+      const Surface surface =
+          surfaceAt(grain, grain.triangles[static_cast<size_t>(s.triangle)], s.b, s.c, s.flipped);
       TexelSum& sum = sums[static_cast<size_t>(y / supersample * texels + x / supersample)];
       const float alpha = surface.roughness * surface.roughness;
       sum.coverage += weight;
@@ -60,7 +63,8 @@ void store(ImpostorAtlas& atlas, int level, int layer, const std::vector<TexelSu
   }
 }
 
-void bakeView(const UnitGrain& grain, const BakeParameters& parameters, int layer, ImpostorAtlas& atlas) {
+void bakeView(const UnitGrain& grain, const BakeParameters& parameters, int layer,
+              ImpostorAtlas& atlas) {
   const vec3 axis = rules::impostorViewDirection(static_cast<uint32_t>(layer), parameters.edge);
   std::vector<Seen> seen;
   cast(grain, shotOf(axis, parameters.texels, parameters.supersample), seen);
@@ -68,7 +72,8 @@ void bakeView(const UnitGrain& grain, const BakeParameters& parameters, int laye
   std::vector<std::vector<TexelSum>> sums(static_cast<size_t>(levels));
   sums[0] = summed(grain, seen, parameters.texels, parameters.supersample);
   for (int level = 1; level < levels; ++level)
-    sums[static_cast<size_t>(level)] = halved(sums[static_cast<size_t>(level) - 1], atlas.side(level - 1));
+    sums[static_cast<size_t>(level)] =
+        halved(sums[static_cast<size_t>(level) - 1], atlas.side(level - 1));
   std::vector<Texel> coarser;
   for (int level = levels - 1; level >= 0; --level) {
     const std::vector<TexelSum>& from = sums[static_cast<size_t>(level)];
@@ -88,11 +93,15 @@ Status checkParameters(const BakeParameters& p) {
     return Error{fmt::format("impostor: {} is {}, allowed are {}", name, value, allowed)};
   };
   if (p.edge < rules::kImpostorMinEdge || p.edge > kImpostorMaxBakedEdge)
-    return outside("views (n)", p.edge, fmt::format("{} to {}", rules::kImpostorMinEdge, kImpostorMaxBakedEdge));
-  if (p.texels < kImpostorMinTexels || p.texels > kImpostorMaxTexels || (p.texels & (p.texels - 1)) != 0)
+    return outside("views (n)", p.edge,
+                   fmt::format("{} to {}", rules::kImpostorMinEdge, kImpostorMaxBakedEdge));
+  if (p.texels < kImpostorMinTexels || p.texels > kImpostorMaxTexels ||
+      (p.texels & (p.texels - 1)) != 0)
     return outside("texels (p)", p.texels, "16, 32, 64, 128, 256");
-  if (p.supersample < 1 || p.supersample > 8) return outside("supersample", p.supersample, "1 to 8");
-  if (p.directions < 0 || p.directions > 1024) return outside("directions", p.directions, "0 to 1024");
+  if (p.supersample < 1 || p.supersample > 8)
+    return outside("supersample", p.supersample, "1 to 8");
+  if (p.directions < 0 || p.directions > 1024)
+    return outside("directions", p.directions, "0 to 1024");
   if (const uint64_t bytes = impostorBytes(p.edge, p.texels); bytes > kImpostorMaxBytes)
     return Error{fmt::format("impostor: {} views of {} x {} texels take {} MiB, allowed are {}",
                              rules::impostorViewCount(p.edge), p.texels, p.texels, bytes >> 20,
@@ -102,11 +111,13 @@ Status checkParameters(const BakeParameters& p) {
 
 uint64_t bakeKey(const GrainMesh& grain, const BakeParameters& p) {
   uint64_t key = hashCombine(contentHash(grain), kBakeVersion);
-  for (int value : {p.edge, p.texels, p.supersample, p.directions}) key = hashCombine(key, static_cast<uint64_t>(value));
+  for (int value : {p.edge, p.texels, p.supersample, p.directions})
+    key = hashCombine(key, static_cast<uint64_t>(value));
   return key;
 }
 
-Result<ImpostorAtlas> bake(const GrainMesh& mesh, const BakeParameters& parameters, const BakeProgress& progress) {
+Result<ImpostorAtlas> bake(const GrainMesh& mesh, const BakeParameters& parameters,
+                           const BakeProgress& progress) {
   if (Status fine = checkParameters(parameters); !fine.ok()) return fine.takeError();
   if (Status fine = checkGrain(mesh); !fine.ok()) return fine.takeError();
   Result<UnitGrain> unit = unitGrain(mesh);
@@ -130,8 +141,9 @@ Result<ImpostorAtlas> bake(const GrainMesh& mesh, const BakeParameters& paramete
     bakeView(*unit, parameters, static_cast<int>(view), atlas);
     const std::lock_guard lock(reporting);
     ++done;
-    if (progress) progress(static_cast<double>(done) / static_cast<double>(views) *
-                           (parameters.directions > 0 ? kViewsShare : 1));
+    if (progress)
+      progress(static_cast<double>(done) / static_cast<double>(views) *
+               (parameters.directions > 0 ? kViewsShare : 1));
   });
   if (parameters.directions > 0) {
     atlas.errors = measure(*unit, atlas, parameters.directions, [&](double share) {

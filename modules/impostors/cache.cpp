@@ -17,7 +17,9 @@ constexpr uint32_t kVersion = 1;
 // Numbers this far from what a grain can have are damage.
 constexpr float kMostUnits = 1e9f;
 
-bool within(float x, float low, float high) { return x >= low && x <= high; }
+bool within(float x, float low, float high) {
+  return x >= low && x <= high;
+}
 
 struct Fields {
   uint32_t edge, texels;
@@ -79,7 +81,9 @@ std::string encodeAtlas(const ImpostorAtlas& atlas) {
 }
 
 Result<ImpostorAtlas> decodeAtlas(std::string_view bytes, std::string_view where) {
-  const auto refuse = [&](std::string_view what) { return Error{fmt::format("{}: {}", where, what)}; };
+  const auto refuse = [&](std::string_view what) {
+    return Error{fmt::format("{}: {}", where, what)};
+  };
   ByteReader in(bytes);
   if (in.number<uint64_t>() != kMagic) return refuse("is no impostor atlas");
   const auto hash = in.number<uint64_t>();
@@ -88,15 +92,18 @@ Result<ImpostorAtlas> decodeAtlas(std::string_view bytes, std::string_view where
     return refuse(fmt::format("is of version {}, this program reads {}", version, kVersion));
   ImpostorAtlas a;
   const auto edge = in.number<uint32_t>(), texels = in.number<uint32_t>();
-  if (edge < static_cast<uint32_t>(rules::kImpostorMinEdge) || edge > static_cast<uint32_t>(kImpostorMaxBakedEdge))
-    return refuse(fmt::format("has {} views an edge, allowed are {} to {}", edge, rules::kImpostorMinEdge, kImpostorMaxBakedEdge));
-  if (texels < static_cast<uint32_t>(kImpostorMinTexels) || texels > static_cast<uint32_t>(kImpostorMaxTexels) ||
-      (texels & (texels - 1)) != 0)
+  if (edge < static_cast<uint32_t>(rules::kImpostorMinEdge) ||
+      edge > static_cast<uint32_t>(kImpostorMaxBakedEdge))
+    return refuse(fmt::format("has {} views an edge, allowed are {} to {}", edge,
+                              rules::kImpostorMinEdge, kImpostorMaxBakedEdge));
+  if (texels < static_cast<uint32_t>(kImpostorMinTexels) ||
+      texels > static_cast<uint32_t>(kImpostorMaxTexels) || (texels & (texels - 1)) != 0)
     return refuse(fmt::format("has {} texels a side, allowed are 16, 32, 64, 128, 256", texels));
   a.edge = static_cast<int>(edge);
   a.texels = static_cast<int>(texels);
   a.key = in.number<uint64_t>();
-  for (float* x : {&a.center.x, &a.center.y, &a.center.z, &a.outer, &a.inner}) *x = in.number<float>();
+  for (float* x : {&a.center.x, &a.center.y, &a.center.z, &a.outer, &a.inner})
+    *x = in.number<float>();
   for (vec4* v : {&a.proxy.center, &a.proxy.diagonal, &a.proxy.upper}) {
     *v = vec4(0);
     for (int c = 0; c < 3; ++c) (*v)[c] = in.number<float>();
@@ -104,15 +111,19 @@ Result<ImpostorAtlas> decodeAtlas(std::string_view bytes, std::string_view where
   a.errors.directions = in.number<uint32_t>();
   for (auto& scheme : a.errors.of)
     for (ImpostorError& e : scheme)
-      for (float* x : {&e.ssim, &e.flip, &e.silhouette_px, &e.worst_silhouette_px}) *x = in.number<float>();
+      for (float* x : {&e.ssim, &e.flip, &e.silhouette_px, &e.worst_silhouette_px})
+        *x = in.number<float>();
   if (in.failed()) return refuse(fmt::format("ends after {} bytes", bytes.size()));
   if (const char* wrong = fault(a)) return refuse(wrong);
   const uint64_t count = a.texelCount();
   const uint64_t rest = bytes.size() - in.offset();
   if (rest != count * 10)
-    return refuse(fmt::format("{} bytes of texels, {} views of {} x {} have {}", rest, a.views(), texels, texels, count * 10));
-  if (hashBytes(content.data(), content.size(), kMagic) != hash) return refuse("is damaged: its hash differs");
-  for (const auto& [texture, channels] : {std::pair{&a.shape, 2}, std::pair{&a.color, 4}, std::pair{&a.normal, 4}}) {
+    return refuse(fmt::format("{} bytes of texels, {} views of {} x {} have {}", rest, a.views(),
+                              texels, texels, count * 10));
+  if (hashBytes(content.data(), content.size(), kMagic) != hash)
+    return refuse("is damaged: its hash differs");
+  for (const auto& [texture, channels] :
+       {std::pair{&a.shape, 2}, std::pair{&a.color, 4}, std::pair{&a.normal, 4}}) {
     const uint64_t size = count * static_cast<uint64_t>(channels);
     const char* from = in.take(size);
     texture->assign(from, from + size);
@@ -120,7 +131,9 @@ Result<ImpostorAtlas> decodeAtlas(std::string_view bytes, std::string_view where
   return a;
 }
 
-Status writeAtlas(const std::filesystem::path& path, const ImpostorAtlas& atlas) { return writeFile(path, encodeAtlas(atlas)); }
+Status writeAtlas(const std::filesystem::path& path, const ImpostorAtlas& atlas) {
+  return writeFile(path, encodeAtlas(atlas));
+}
 
 Result<ImpostorAtlas> readAtlas(const std::filesystem::path& path) {
   Result<std::string> bytes = readText(path);

@@ -39,7 +39,8 @@ class Canvas {
     const auto snapped = [&](double x) {
       return static_cast<int64_t>(std::floor((x + shot_.extent) * scale + 0.5));
     };
-    return {{snapped(glm::dot(p, shot_.right)), snapped(glm::dot(p, shot_.up))}, glm::dot(p, shot_.axis)};
+    return {{snapped(glm::dot(p, shot_.right)), snapped(glm::dot(p, shot_.up))},
+            glm::dot(p, shot_.axis)};
   }
 
   void draw(int index) {
@@ -53,17 +54,20 @@ class Canvas {
     area = std::abs(area);
     const auto [x0, x1] = range(k[0].at.x, k[1].at.x, k[2].at.x);
     const auto [y0, y1] = range(k[0].at.y, k[1].at.y, k[2].at.y);
-    const int64_t bias_a = bias(k[1].at, k[2].at), bias_b = bias(k[2].at, k[0].at), bias_c = bias(k[0].at, k[1].at);
+    const int64_t bias_a = bias(k[1].at, k[2].at), bias_b = bias(k[2].at, k[0].at),
+                  bias_c = bias(k[0].at, k[1].at);
     for (int64_t y = y0; y <= y1; ++y) {
       for (int64_t x = x0; x <= x1; ++x) {
         const Point p{x * kSubsamples + kSubsamples / 2, y * kSubsamples + kSubsamples / 2};
-        const int64_t a = edge(k[1].at, k[2].at, p), b = edge(k[2].at, k[0].at, p), c = edge(k[0].at, k[1].at, p);
+        const int64_t a = edge(k[1].at, k[2].at, p), b = edge(k[2].at, k[0].at, p),
+                      c = edge(k[0].at, k[1].at, p);
         if (a + bias_a < 0 || b + bias_b < 0 || c + bias_c < 0) continue;
         const double inverse = 1 / static_cast<double>(area);
         const double wb = static_cast<double>(b) * inverse, wc = static_cast<double>(c) * inverse;
-        const double height = k[0].height + (k[1].height - k[0].height) * wb + (k[2].height - k[0].height) * wc;
-        Seen found{index, static_cast<float>(flipped ? wc : wb), static_cast<float>(flipped ? wb : wc),
-                   static_cast<float>(height), flipped};
+        const double height =
+            k[0].height + (k[1].height - k[0].height) * wb + (k[2].height - k[0].height) * wc;
+        Seen found{index, static_cast<float>(flipped ? wc : wb),
+                   static_cast<float>(flipped ? wb : wc), static_cast<float>(height), flipped};
         Seen& old = seen_[static_cast<size_t>(y * shot_.samples + x)];
         if (old.triangle >= 0 && !(found.height > old.height)) continue;
         if (triangle.masked && !opaqueAt(grain_, triangle, found.b, found.c)) continue;
@@ -76,7 +80,8 @@ class Canvas {
   // First and last sample whose centre may lie between.
   std::pair<int64_t, int64_t> range(int64_t a, int64_t b, int64_t c) const {
     const int64_t low = std::min({a, b, c}), high = std::max({a, b, c});
-    return {std::max<int64_t>(low / kSubsamples - 1, 0), std::min<int64_t>(high / kSubsamples, shot_.samples - 1)};
+    return {std::max<int64_t>(low / kSubsamples - 1, 0),
+            std::min<int64_t>(high / kSubsamples, shot_.samples - 1)};
   }
 
   const UnitGrain& grain_;

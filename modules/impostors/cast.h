@@ -21,9 +21,9 @@ struct Shot {
 inline constexpr int kMostSamples = 8192;
 
 struct Seen {
-  int triangle = -1;  // -1: nothing
-  float b = 0, c = 0;  // barycentric weights of corners 1 and 2
-  float height = 0;    // along the axis, from the centre
+  int triangle = -1;     // -1: nothing
+  float b = 0, c = 0;    // barycentric weights of corners 1 and 2
+  float height = 0;      // along the axis, from the centre
   bool flipped = false;  // its back, of a double-sided material
 };
 

@@ -11,11 +11,14 @@
 
 namespace scree {
 
-Result<ImpostorChoice> chooseImpostor(const ImpostorWish& wish, std::span<const std::pair<int, int>> sizes,
+Result<ImpostorChoice> chooseImpostor(const ImpostorWish& wish,
+                                      std::span<const std::pair<int, int>> sizes,
                                       const std::function<Result<float>(int, int)>& flipOf) {
   if (!std::isfinite(wish.diameter_px) || !(wish.diameter_px > 0))
-    return Error{fmt::format("impostor: a diameter of {} px; allowed is a positive number", wish.diameter_px)};
-  if (!std::isfinite(wish.max_flip)) return Error{fmt::format("impostor: an error of {}; allowed is a number", wish.max_flip)};
+    return Error{fmt::format("impostor: a diameter of {} px; allowed is a positive number",
+                             wish.diameter_px)};
+  if (!std::isfinite(wish.max_flip))
+    return Error{fmt::format("impostor: an error of {}; allowed is a number", wish.max_flip)};
   std::vector<ImpostorChoice> candidates;
   for (const auto& [edge, texels] : sizes) {
     const uint64_t bytes = impostorBytes(edge, texels);
@@ -38,9 +41,10 @@ Result<ImpostorChoice> chooseImpostor(const ImpostorWish& wish, std::span<const 
   return *best;
 }
 
-Result<ImpostorChoice> chooseImpostor(const GrainMesh& grain, const ImpostorWish& wish, int directions,
-                                      const BakeProgress& progress) {
-  if (directions < 1 || directions > 1024) return Error{fmt::format("impostor: {} directions, allowed are 1 to 1024", directions)};
+Result<ImpostorChoice> chooseImpostor(const GrainMesh& grain, const ImpostorWish& wish,
+                                      int directions, const BakeProgress& progress) {
+  if (directions < 1 || directions > 1024)
+    return Error{fmt::format("impostor: {} directions, allowed are 1 to 1024", directions)};
   std::vector<std::pair<int, int>> sizes;
   for (int texels : {16, 32, 64, 128}) {
     if (texels > kImpostorMinTexels && static_cast<float>(texels) >= 4 * wish.diameter_px) break;
@@ -50,7 +54,8 @@ Result<ImpostorChoice> chooseImpostor(const GrainMesh& grain, const ImpostorWish
   Result<impostors::UnitGrain> unit = impostors::unitGrain(grain);
   if (!unit.ok()) return Error{unit.error()};
   return chooseImpostor(wish, sizes, [&](int edge, int texels) -> Result<float> {
-    Result<ImpostorAtlas> atlas = bake(grain, {.edge = edge, .texels = texels, .directions = 0}, progress);
+    Result<ImpostorAtlas> atlas =
+        bake(grain, {.edge = edge, .texels = texels, .directions = 0}, progress);
     if (!atlas.ok()) return atlas.takeError();
     return impostors::flipAt(*unit, *atlas, wish.scheme, wish.diameter_px, directions);
   });

@@ -30,11 +30,13 @@ MeshData placed(const MeshData& mesh, const NodeData& node) {
 
 uint64_t hashOf(uint64_t hash, const TextureUse& use) {
   hash = hashCombine(hash, static_cast<uint64_t>(use.image + 1));
-  return hashCombine(hash, static_cast<uint64_t>(use.wrap_u) | static_cast<uint64_t>(use.wrap_v) << 8);
+  return hashCombine(hash, static_cast<uint64_t>(use.wrap_u) | static_cast<uint64_t>(use.wrap_v)
+                                                                   << 8);
 }
 
 bool imageFits(const ImageData& image) {
-  if (image.width <= 0 || image.height <= 0 || image.channels < 1 || image.channels > 4) return false;
+  if (image.width <= 0 || image.height <= 0 || image.channels < 1 || image.channels > 4)
+    return false;
   const size_t values = static_cast<size_t>(image.width) * static_cast<size_t>(image.height) *
                         static_cast<size_t>(image.channels);
   return image.isFloat() ? image.floats.size() == values : image.bytes.size() == values;
@@ -48,11 +50,13 @@ Status checkPart(const MeshData& part, size_t p, const GrainMesh& grain) {
     return fault(fmt::format("{} indices, allowed are whole triangles", part.indices.size()));
   for (size_t i = 0; i < part.indices.size(); ++i)
     if (part.indices[i] >= part.vertices.size())
-      return fault(fmt::format("index {} is {}, of {} vertices", i, part.indices[i], part.vertices.size()));
+      return fault(
+          fmt::format("index {} is {}, of {} vertices", i, part.indices[i], part.vertices.size()));
   for (size_t v = 0; v < part.vertices.size(); ++v) {
     const Vertex& vertex = part.vertices[v];
-    const bool numbers = finite(vertex.position) && finite(vertex.normal) && finite(vec3(vertex.tangent)) &&
-                         finite(vertex.tangent.w) && finite(vertex.uv.x) && finite(vertex.uv.y);
+    const bool numbers = finite(vertex.position) && finite(vertex.normal) &&
+                         finite(vec3(vertex.tangent)) && finite(vertex.tangent.w) &&
+                         finite(vertex.uv.x) && finite(vertex.uv.y);
     if (!numbers) return fault(fmt::format("vertex {} has a number that is not finite", v));
   }
   if (part.material >= static_cast<int>(grain.materials.size()))
@@ -104,8 +108,8 @@ uint64_t contentHash(const GrainMesh& grain) {
     hash = hashCombine(hash, static_cast<uint64_t>(part.material + 1));
   }
   for (const MaterialData& material : grain.materials) {
-    const float factors[] = {material.base_color.x, material.base_color.y,   material.base_color.z,
-                             material.base_color.w, material.metallic,       material.roughness,
+    const float factors[] = {material.base_color.x, material.base_color.y, material.base_color.z,
+                             material.base_color.w, material.metallic,     material.roughness,
                              material.normal_scale, material.alpha_cutoff};
     hash = hashBytes(factors, sizeof factors, hash);
     hash = hashOf(hash, material.base_color_map);
@@ -115,8 +119,10 @@ uint64_t contentHash(const GrainMesh& grain) {
                                  static_cast<uint64_t>(material.double_sided) << 8);
   }
   for (const ImageData& image : grain.images) {
-    hash = hashCombine(hash, static_cast<uint64_t>(image.width) << 32 | static_cast<uint64_t>(image.height));
-    hash = hashCombine(hash, static_cast<uint64_t>(image.channels) << 8 | static_cast<uint64_t>(image.encoding));
+    hash = hashCombine(
+        hash, static_cast<uint64_t>(image.width) << 32 | static_cast<uint64_t>(image.height));
+    hash = hashCombine(
+        hash, static_cast<uint64_t>(image.channels) << 8 | static_cast<uint64_t>(image.encoding));
     hash = hashBytes(image.bytes.data(), image.bytes.size(), hash);
     hash = hashBytes(image.floats.data(), image.floats.size() * sizeof(float), hash);
   }

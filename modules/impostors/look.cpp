@@ -18,7 +18,10 @@ constexpr float kOpaque = 0.5f;
 class Look {
  public:
   Look(const ImpostorAtlas& atlas, ImpostorScheme scheme, const Scene& scene)
-      : atlas_(atlas), scheme_(scheme), scene_(scene), extent_(rules::impostorExtent(atlas.texels)) {
+      : atlas_(atlas),
+        scheme_(scheme),
+        scene_(scene),
+        extent_(rules::impostorExtent(atlas.texels)) {
     const rules::ImpostorViews views = rules::impostorViews(scene.axis, atlas.edge);
     const uint32_t layers[3] = {views.layer0, views.layer1, views.layer2};
     const vec3 axes[3] = {views.axis0, views.axis1, views.axis2};
@@ -28,12 +31,15 @@ class Look {
       weight_[k] = views.weight[k];
     }
     const int last = atlas.levels() - 1;
-    shape_level_ = std::min(rules::impostorLevel(atlas.texels, scene.diameter_px, rules::kImpostorShapeBias), last);
-    color_level_ = std::min(rules::impostorLevel(atlas.texels, scene.diameter_px, rules::kImpostorColorBias), last);
+    shape_level_ = std::min(
+        rules::impostorLevel(atlas.texels, scene.diameter_px, rules::kImpostorShapeBias), last);
+    color_level_ = std::min(
+        rules::impostorLevel(atlas.texels, scene.diameter_px, rules::kImpostorColorBias), last);
     radius_ = 0.5f * (1 + atlas.inner);
   }
 
-  // Share of the views that see the grain at a point of the picture, in outer radii from its middle.
+  // Share of the views that see the grain at a point of the picture, in outer radii from its
+  // middle.
   float coverage(vec2 at) {
     const rules::ImpostorRay ray{scene_.right * at.x + scene_.up * at.y, -scene_.axis};
     if (glm::dot(at, at) > 1) return 0;
@@ -46,7 +52,8 @@ class Look {
       if (scheme_ == ImpostorScheme::Planar) point = rules::impostorOnPlane(ray, axis_[k]);
       if (scheme_ == ImpostorScheme::Mixed) point = rules::impostorMixed(ray, axis_[k], radius_);
       if (scheme_ == ImpostorScheme::Parallax) {
-        const vec2 first = sampleShape(atlas_, shape_level_, layer_[k], rules::impostorUv(point, axis_[k], extent_));
+        const vec2 first = sampleShape(atlas_, shape_level_, layer_[k],
+                                       rules::impostorUv(point, axis_[k], extent_));
         point = rules::impostorStep(ray, point, axis_[k], rules::impostorHeightFromCode(first.y));
       }
       uv_[k] = rules::impostorUv(point, axis_[k], extent_);
@@ -92,13 +99,22 @@ class Look {
   vec2 uv_[3];
 };
 
-images::Image blank(int side) { return {side, side, std::vector<float>(static_cast<size_t>(side) * static_cast<size_t>(side) * 3), {}}; }
+images::Image blank(int side) {
+  return {side,
+          side,
+          std::vector<float>(static_cast<size_t>(side) * static_cast<size_t>(side) * 3),
+          {}};
+}
 
 // Pictures have their first row on top.
 void set(images::Image& image, int x, int y_up, vec3 linear) {
-  const size_t at = (static_cast<size_t>(image.height - 1 - y_up) * static_cast<size_t>(image.width) + static_cast<size_t>(x)) * 3;
+  const size_t at =
+      (static_cast<size_t>(image.height - 1 - y_up) * static_cast<size_t>(image.width) +
+       static_cast<size_t>(x)) *
+      3;
   for (size_t c = 0; c < 3; ++c)
-    image.rgb[at + c] = static_cast<float>(images::srgbFromLinear(std::clamp(linear[static_cast<int>(c)], 0.0f, 1.0f)));
+    image.rgb[at + c] = static_cast<float>(
+        images::srgbFromLinear(std::clamp(linear[static_cast<int>(c)], 0.0f, 1.0f)));
 }
 
 vec2 pointOf(const Scene& scene, int x, int y, int samples_a_pixel) {
@@ -121,7 +137,9 @@ vec3 litSurface(const Surface& s, const Scene& scene) {
   const vec3 diffuse = s.albedo * (1 - s.metallic);
   vec3 out = (diffuse + f0) * kAmbient + diffuse * (kLamp * n_l);
   if (n_l > 0)
-    out += f0 * (kLamp * kPi * n_l * rules::ggxDistributionVisibility(n_h, n_v, n_l, rules::alphaFromRoughness(s.roughness)));
+    out += f0 * (kLamp * kPi * n_l *
+                 rules::ggxDistributionVisibility(n_h, n_v, n_l,
+                                                  rules::alphaFromRoughness(s.roughness)));
   return glm::min(out, vec3(1));
 }
 
@@ -130,7 +148,9 @@ images::Image drawImpostor(const ImpostorAtlas& atlas, ImpostorScheme scheme, co
   Look look(atlas, scheme, scene);
   for (int y = 0; y < scene.side_px; ++y)
     for (int x = 0; x < scene.side_px; ++x)
-      set(image, x, y, look.coverage(pointOf(scene, x, y, 1)) >= kOpaque ? litSurface(look.surface(), scene) : vec3(kBackground));
+      set(image, x, y,
+          look.coverage(pointOf(scene, x, y, 1)) >= kOpaque ? litSurface(look.surface(), scene)
+                                                            : vec3(kBackground));
   return image;
 }
 
@@ -143,9 +163,13 @@ images::Image drawMesh(const UnitGrain& grain, const Scene& scene, int samples) 
     for (int x = 0; x < scene.side_px; ++x) {
       vec3 sum(0);
       for (int k = 0; k < samples * samples; ++k) {
-        const Seen& s = seen[static_cast<size_t>(y * samples + k / samples) * stride + static_cast<size_t>(x * samples + k % samples)];
-        sum += s.triangle < 0 ? vec3(kBackground)
-                              : litSurface(surfaceAt(grain, grain.triangles[static_cast<size_t>(s.triangle)], s.b, s.c, s.flipped), scene);
+        const Seen& s = seen[static_cast<size_t>(y * samples + k / samples) * stride +
+                             static_cast<size_t>(x * samples + k % samples)];
+        sum += s.triangle < 0
+                   ? vec3(kBackground)
+                   : litSurface(surfaceAt(grain, grain.triangles[static_cast<size_t>(s.triangle)],
+                                          s.b, s.c, s.flipped),
+                                scene);
       }
       set(image, x, y, sum / static_cast<float>(samples * samples));
     }
@@ -153,7 +177,8 @@ images::Image drawMesh(const UnitGrain& grain, const Scene& scene, int samples) 
   return image;
 }
 
-std::vector<uint8_t> impostorMask(const ImpostorAtlas& atlas, ImpostorScheme scheme, const Scene& scene, int samples) {
+std::vector<uint8_t> impostorMask(const ImpostorAtlas& atlas, ImpostorScheme scheme,
+                                  const Scene& scene, int samples) {
   const int side = scene.side_px * samples;
   std::vector<uint8_t> mask(static_cast<size_t>(side) * static_cast<size_t>(side));
   Look look(atlas, scheme, scene);

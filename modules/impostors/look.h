@@ -24,17 +24,18 @@ struct Scene {
   }
 };
 
-// Picture of the atlas as a renderer draws it: one sample a pixel, opaque where the views' coverage is half.
+// Picture of the atlas as a renderer draws it: one sample a pixel, opaque where the views' coverage
+// is half.
 images::Image drawImpostor(const ImpostorAtlas& atlas, ImpostorScheme scheme, const Scene& scene);
 // Picture of the mesh with samples x samples a pixel.
 images::Image drawMesh(const UnitGrain& grain, const Scene& scene, int samples_a_pixel);
 // Where the impostor is opaque, and where the mesh is, at samples x samples points of each pixel.
-std::vector<uint8_t> impostorMask(const ImpostorAtlas& atlas, ImpostorScheme scheme, const Scene& scene,
-                                  int samples_a_pixel);
+std::vector<uint8_t> impostorMask(const ImpostorAtlas& atlas, ImpostorScheme scheme,
+                                  const Scene& scene, int samples_a_pixel);
 std::vector<uint8_t> meshMask(const UnitGrain& grain, const Scene& scene, int samples_a_pixel);
 
-// Linear radiance of a surface under the lamp of the pictures: over the viewer's left shoulder, with
-// even light from everywhere.
+// Linear radiance of a surface under the lamp of the pictures: over the viewer's left shoulder,
+// with even light from everywhere.
 vec3 litSurface(const Surface& surface, const Scene& scene);
 
 }  // namespace scree::impostors

@@ -23,13 +23,18 @@ constexpr float kLargePx = 48;
 // Uniform in the unit ball without its core, by rejection: no function that machines round apart.
 vec3 randomVector(uint64_t k, uint64_t stream) {
   for (uint64_t draw = 0;; draw += 3) {
-    const vec3 v = vec3(randomUnit(stream, k, 0, draw), randomUnit(stream, k, 0, draw + 1), randomUnit(stream, k, 0, draw + 2)) * 2.0f - 1.0f;
+    const vec3 v = vec3(randomUnit(stream, k, 0, draw), randomUnit(stream, k, 0, draw + 1),
+                        randomUnit(stream, k, 0, draw + 2)) *
+                       2.0f -
+                   1.0f;
     const float length2 = glm::dot(v, v);
     if (length2 < 1 && length2 > 1e-2f) return v;
   }
 }
 
-int finely(float diameter_px) { return diameter_px > kLargePx ? 4 : 8; }
+int finely(float diameter_px) {
+  return diameter_px > kLargePx ? 4 : 8;
+}
 
 using Row = std::array<std::array<ImpostorError, kImpostorSizes>, kImpostorSchemes>;
 
@@ -42,12 +47,13 @@ void measureOne(const UnitGrain& grain, const ImpostorAtlas& atlas, int k, size_
   for (size_t scheme = 0; scheme < kImpostorSchemes; ++scheme) {
     const auto which = static_cast<ImpostorScheme>(scheme);
     ImpostorError& error = row[scheme][size];
-    const images::Image image = which == ImpostorScheme::Mesh ? drawMesh(grain, scene, 1) : drawImpostor(atlas, which, scene);
+    const images::Image image = which == ImpostorScheme::Mesh ? drawMesh(grain, scene, 1)
+                                                              : drawImpostor(atlas, which, scene);
     error.ssim = static_cast<float>(images::ssim(image, truth).mean);
     error.flip = static_cast<float>(images::flip(image, truth).mean);
     if (which == ImpostorScheme::Mesh) continue;
-    error.silhouette_px = static_cast<float>(
-        silhouetteError(impostorMask(atlas, which, scene, edges), silhouette, scene.side_px * edges, edges));
+    error.silhouette_px = static_cast<float>(silhouetteError(
+        impostorMask(atlas, which, scene, edges), silhouette, scene.side_px * edges, edges));
     error.worst_silhouette_px = error.silhouette_px;
   }
 }
@@ -60,10 +66,12 @@ Scene randomScene(int k, float diameter_px) {
   vec3 right = glm::cross(other, axis);
   if (glm::dot(right, right) < 1e-4f) right = rules::impostorBasis(axis).right;
   right = glm::normalize(right);
-  return {axis, right, glm::cross(axis, right), diameter_px, static_cast<int>(std::ceil(diameter_px)) + 2 * kMargin};
+  return {axis, right, glm::cross(axis, right), diameter_px,
+          static_cast<int>(std::ceil(diameter_px)) + 2 * kMargin};
 }
 
-double silhouetteError(const std::vector<uint8_t>& mask, const std::vector<uint8_t>& truth, int side, int samples) {
+double silhouetteError(const std::vector<uint8_t>& mask, const std::vector<uint8_t>& truth,
+                       int side, int samples) {
   size_t differing = 0, crossings = 0;
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
@@ -74,22 +82,27 @@ double silhouetteError(const std::vector<uint8_t>& mask, const std::vector<uint8
     }
   }
   const double area = static_cast<double>(differing) / static_cast<double>(samples * samples);
-  const double length = static_cast<double>(std::max<size_t>(crossings, 1)) * std::numbers::pi / 4 / samples;
+  const double length =
+      static_cast<double>(std::max<size_t>(crossings, 1)) * std::numbers::pi / 4 / samples;
   return area / length;
 }
 
-float flipAt(const UnitGrain& grain, const ImpostorAtlas& atlas, ImpostorScheme scheme, float diameter_px, int directions) {
+float flipAt(const UnitGrain& grain, const ImpostorAtlas& atlas, ImpostorScheme scheme,
+             float diameter_px, int directions) {
   std::vector<double> flips(static_cast<size_t>(directions));
   parallelChunks(flips.size(), 1, [&](size_t k, size_t, size_t) {
     const Scene scene = randomScene(static_cast<int>(k), diameter_px);
-    flips[k] = images::flip(drawImpostor(atlas, scheme, scene), drawMesh(grain, scene, finely(diameter_px))).mean;
+    flips[k] = images::flip(drawImpostor(atlas, scheme, scene),
+                            drawMesh(grain, scene, finely(diameter_px)))
+                   .mean;
   });
   double sum = 0;
   for (double flip : flips) sum += flip;
   return static_cast<float>(sum / directions);
 }
 
-ImpostorErrors measure(const UnitGrain& grain, const ImpostorAtlas& atlas, int directions, const std::function<void(double)>& progress) {
+ImpostorErrors measure(const UnitGrain& grain, const ImpostorAtlas& atlas, int directions,
+                       const std::function<void(double)>& progress) {
   std::vector<Row> rows(static_cast<size_t>(directions));
   std::mutex reporting;
   size_t done = 0;

@@ -98,13 +98,15 @@ double distanceToTriangle(const dvec3& p, const dvec3& a, const dvec3& b, const 
   if (n2 > 0 && dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 &&
       dot(cross(a - c, p - c), n) >= 0)
     return std::abs(dot(p - a, n)) / std::sqrt(n2);
-  return std::min({distanceToSegment(p, a, b), distanceToSegment(p, b, c), distanceToSegment(p, c, a)});
+  return std::min(
+      {distanceToSegment(p, a, b), distanceToSegment(p, b, c), distanceToSegment(p, c, a)});
 }
 
 double innerRadius(const Corners& corners, const dvec3& center) {
   double angle = 0, nearest = std::numeric_limits<double>::infinity();
   for (size_t t = 0; t + 2 < corners.size(); t += 3) {
-    nearest = std::min(nearest, distanceToTriangle(center, corners[t], corners[t + 1], corners[t + 2]));
+    nearest =
+        std::min(nearest, distanceToTriangle(center, corners[t], corners[t + 1], corners[t + 2]));
     angle += solidAngle(corners[t] - center, corners[t + 1] - center, corners[t + 2] - center);
   }
   const bool inside = angle > 2 * std::numbers::pi;
@@ -173,7 +175,8 @@ rules::ImpostorProxy proxyOf(const Corners& corners, double fallback_radius) {
   const double xy = (a[0][1] - xz * yz) / yy;
   const double xx = std::sqrt(std::max(a[0][0] - xy * xy - xz * xz, kThinnest));
   const double tx = 1 / xx, ty = 1 / yy, tz = 1 / zz;
-  return {vec4(vec3(center), 0), vec4(static_cast<float>(tx), static_cast<float>(ty), static_cast<float>(tz), 0),
+  return {vec4(vec3(center), 0),
+          vec4(static_cast<float>(tx), static_cast<float>(ty), static_cast<float>(tz), 0),
           vec4(static_cast<float>(-xy * tx * ty), static_cast<float>((xy * yz * ty - xz) * tx * tz),
                static_cast<float>(-yz * ty * tz), 0)};
 }

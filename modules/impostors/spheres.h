@@ -25,9 +25,9 @@ double distanceToTriangle(const dvec3& p, const dvec3& a, const dvec3& b, const 
 // inside the surface (generalised winding number under 1/2; Jacobson et al. 2013).
 double innerRadius(const Corners& corners, const dvec3& center);
 
-// A centre with a large inner sphere for its outer one: searched from the enclosing sphere's centre,
-// by steps that grow r / R, as long as R stays within kMostGrowth of the smallest. What is long or flat has many
-// centres of nearly equal R, and what r is decides how much a grain hides.
+// A centre with a large inner sphere for its outer one: searched from the enclosing sphere's
+// centre, by steps that grow r / R, as long as R stays within kMostGrowth of the smallest. What is
+// long or flat has many centres of nearly equal R, and what r is decides how much a grain hides.
 inline constexpr double kMostGrowth = 1.04;
 Sphere roomySphere(std::span<const dvec3> points, const Corners& corners);
 

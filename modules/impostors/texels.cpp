@@ -14,9 +14,13 @@ namespace {
 
 constexpr int kRings = 2;  // so many texels a bilinear filter of the next level's size can reach
 
-uint8_t unorm(float x) { return static_cast<uint8_t>(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f); }
+uint8_t unorm(float x) {
+  return static_cast<uint8_t>(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f);
+}
 // 1 to 255, 128 for 0; the inverse of impostorHeightFromCode.
-uint8_t centered(float x) { return static_cast<uint8_t>(std::clamp(x, -1.0f, 1.0f) * 127.0f + 128.5f); }
+uint8_t centered(float x) {
+  return static_cast<uint8_t>(std::clamp(x, -1.0f, 1.0f) * 127.0f + 128.5f);
+}
 
 // Mean of the known neighbours of a texel; not known if there is none.
 Texel aroundOf(std::span<const Texel> texels, int side, int x, int y) {
@@ -84,7 +88,8 @@ Texel meanOf(const TexelSum& sum, const vec3& axis) {
           .known = true};
 }
 
-void spreadOut(std::span<Texel> texels, int side, std::span<const Texel> coarser, const Texel& fallback) {
+void spreadOut(std::span<Texel> texels, int side, std::span<const Texel> coarser,
+               const Texel& fallback) {
   std::vector<std::pair<size_t, Texel>> ring;
   for (int k = 0; k < kRings; ++k) {
     ring.clear();
@@ -92,7 +97,8 @@ void spreadOut(std::span<Texel> texels, int side, std::span<const Texel> coarser
       for (int x = 0; x < side; ++x) {
         const auto at = static_cast<size_t>(y * side + x);
         if (texels[at].known) continue;
-        if (const Texel mean = aroundOf(texels, side, x, y); mean.known) ring.emplace_back(at, mean);
+        if (const Texel mean = aroundOf(texels, side, x, y); mean.known)
+          ring.emplace_back(at, mean);
       }
     }
     for (const auto& [at, texel] : ring) texels[at] = texel;
@@ -111,7 +117,8 @@ StoredTexel stored(float coverage, const Texel& texel) {
   const vec3 code = rules::albedoCode(texel.albedo);
   return {{unorm(coverage), centered(texel.height)},
           {unorm(code.x), unorm(code.y), unorm(code.z), unorm(texel.metallic)},
-          {centered(texel.normal.x), centered(texel.normal.y), centered(texel.normal.z), unorm(texel.roughness)}};
+          {centered(texel.normal.x), centered(texel.normal.y), centered(texel.normal.z),
+           unorm(texel.roughness)}};
 }
 
 }  // namespace scree::impostors

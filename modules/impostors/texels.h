@@ -34,9 +34,11 @@ std::vector<TexelSum> halved(std::span<const TexelSum> sums, int side);
 // Means of what was seen; normals that cancel give way to `axis`, with the broadest lobe.
 Texel meanOf(const TexelSum& sum, const vec3& axis);
 
-// Continues known texels outwards: two rings from the neighbours, the rest from `coarser`, the level of half
-// the side, all of which is known (empty: the coarsest level, which takes `fallback`).
-void spreadOut(std::span<Texel> texels, int side, std::span<const Texel> coarser, const Texel& fallback);
+// Continues known texels outwards: two rings from the neighbours, the rest from `coarser`, the
+// level of half the side, all of which is known (empty: the coarsest level, which takes
+// `fallback`).
+void spreadOut(std::span<Texel> texels, int side, std::span<const Texel> coarser,
+               const Texel& fallback);
 
 struct StoredTexel {
   uint8_t shape[2], color[4], normal[4];

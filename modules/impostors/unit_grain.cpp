@@ -43,7 +43,9 @@ int wrapped(int x, int size, TextureWrap wrap) {
 
 vec4 texel(const ImageData& image, int x, int y) {
   const auto channels = static_cast<size_t>(image.channels);
-  const size_t at = (static_cast<size_t>(y) * static_cast<size_t>(image.width) + static_cast<size_t>(x)) * channels;
+  const size_t at =
+      (static_cast<size_t>(y) * static_cast<size_t>(image.width) + static_cast<size_t>(x)) *
+      channels;
   vec4 out(0, 0, 0, 1);
   const bool grey = channels < 3;
   for (size_t c = 0; c < 4; ++c) {
@@ -59,14 +61,19 @@ vec4 texel(const ImageData& image, int x, int y) {
   return out;
 }
 
-// Bilinear, at full resolution: the bake's samples are finer than a grain's images, or average them.
+// Bilinear, at full resolution: the bake's samples are finer than a grain's images, or average
+// them.
 vec4 sample(const ImageData& image, const TextureUse& use, vec2 uv) {
   constexpr float kFar = 1e5f;  // times the largest image it still fits an int
   const float x = std::clamp(uv.x, -kFar, kFar) * static_cast<float>(image.width) - 0.5f;
   const float y = std::clamp(uv.y, -kFar, kFar) * static_cast<float>(image.height) - 0.5f;
   const double fx = std::floor(x), fy = std::floor(y);
-  const auto column = [&](int k) { return wrapped(static_cast<int>(fx) + k, image.width, use.wrap_u); };
-  const auto row = [&](int k) { return wrapped(static_cast<int>(fy) + k, image.height, use.wrap_v); };
+  const auto column = [&](int k) {
+    return wrapped(static_cast<int>(fx) + k, image.width, use.wrap_u);
+  };
+  const auto row = [&](int k) {
+    return wrapped(static_cast<int>(fy) + k, image.height, use.wrap_v);
+  };
   const float u = x - static_cast<float>(fx), v = y - static_cast<float>(fy);
   const vec4 low = glm::mix(texel(image, column(0), row(0)), texel(image, column(1), row(0)), u);
   const vec4 high = glm::mix(texel(image, column(0), row(1)), texel(image, column(1), row(1)), u);
@@ -81,7 +88,7 @@ struct Weights {
   const Vertex &a, &b, &c;
   float wa, wb, wc;
   template <class T>
-  T of(T Vertex::* member) const {
+  T of(T Vertex::*member) const {
     return a.*member * wa + b.*member * wb + c.*member * wc;
   }
 };
@@ -105,7 +112,8 @@ Result<UnitGrain> unitGrain(const GrainMesh& grain) {
   for (const MeshData& part : grain.parts) {
     const auto base = static_cast<uint32_t>(unit.vertices.size());
     unit.vertices.insert(unit.vertices.end(), part.vertices.begin(), part.vertices.end());
-    const int material = part.material < 0 ? static_cast<int>(grain.materials.size()) : part.material;
+    const int material =
+        part.material < 0 ? static_cast<int>(grain.materials.size()) : part.material;
     const MaterialData& about = unit.materials[static_cast<size_t>(material)];
     for (size_t i = 0; i + 2 < part.indices.size(); i += 3) {
       UnitTriangle triangle{.material = material,
@@ -119,10 +127,12 @@ Result<UnitGrain> unitGrain(const GrainMesh& grain) {
     }
   }
   const Sphere outer = roomySphere(used, used);
-  const double size = std::max({std::abs(outer.center.x), std::abs(outer.center.y), std::abs(outer.center.z)});
+  const double size =
+      std::max({std::abs(outer.center.x), std::abs(outer.center.y), std::abs(outer.center.z)});
   if (!(outer.radius > 1e-6 * size) || !(outer.radius > 1e-30) || !std::isfinite(outer.radius))
-    return Error{fmt::format("grain: its outer radius is {:g} around {:g} {:g} {:g}; it must have an extent",
-                             outer.radius, outer.center.x, outer.center.y, outer.center.z)};
+    return Error{
+        fmt::format("grain: its outer radius is {:g} around {:g} {:g} {:g}; it must have an extent",
+                    outer.radius, outer.center.x, outer.center.y, outer.center.z)};
   unit.center = outer.center;
   unit.outer = outer.radius;
   for (Vertex& vertex : unit.vertices) {
@@ -135,7 +145,8 @@ Result<UnitGrain> unitGrain(const GrainMesh& grain) {
   return unit;
 }
 
-Surface surfaceAt(const UnitGrain& grain, const UnitTriangle& triangle, float b, float c, bool flipped) {
+Surface surfaceAt(const UnitGrain& grain, const UnitTriangle& triangle, float b, float c,
+                  bool flipped) {
   const Weights at = weightsOf(grain, triangle, b, c);
   const MaterialData& material = grain.materials[static_cast<size_t>(triangle.material)];
   const vec2 uv = at.of(&Vertex::uv);
@@ -150,9 +161,11 @@ Surface surfaceAt(const UnitGrain& grain, const UnitTriangle& triangle, float b,
     const vec4 code = mapped(grain, material.normal_map, uv, vec4(0.5f, 0.5f, 1, 1));
     const vec2 slope = (vec2(code) * 2.0f - 1.0f) * material.normal_scale;
     const vec4 tangent4 = at.of(&Vertex::tangent);
-    const vec3 tangent = unitOr(vec3(tangent4) - s.normal * glm::dot(s.normal, vec3(tangent4)), vec3(0));
+    const vec3 tangent =
+        unitOr(vec3(tangent4) - s.normal * glm::dot(s.normal, vec3(tangent4)), vec3(0));
     const vec3 bitangent = glm::cross(s.normal, tangent) * (tangent4.w < 0 ? -1.0f : 1.0f);
-    s.normal = unitOr(tangent * slope.x + bitangent * slope.y + s.normal * (code.z * 2 - 1), s.normal);
+    s.normal =
+        unitOr(tangent * slope.x + bitangent * slope.y + s.normal * (code.z * 2 - 1), s.normal);
   }
   if (flipped) s.normal = -s.normal;
   return s;

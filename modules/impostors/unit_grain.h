@@ -1,4 +1,5 @@
-// A grain's mesh in its own space (centre at the origin, outer radius 1), flat and ready to be cast.
+// A grain's mesh in its own space (centre at the origin, outer radius 1), flat and ready to be
+// cast.
 #pragma once
 
 #include <vector>
@@ -16,13 +17,13 @@ struct UnitTriangle {
 };
 
 struct UnitGrain {
-  std::vector<Vertex> vertices;     // positions rounded from the double ones
-  std::vector<dvec3> positions;     // one a vertex
+  std::vector<Vertex> vertices;  // positions rounded from the double ones
+  std::vector<dvec3> positions;  // one a vertex
   std::vector<UnitTriangle> triangles;
   std::vector<MaterialData> materials;  // the last is the default: white, metallic 0, roughness 1
   const std::vector<ImageData>* images = nullptr;
-  Corners corners;  // three a triangle
-  dvec3 center{0};  // of the spheres, in the mesh's units
+  Corners corners;   // three a triangle
+  dvec3 center{0};   // of the spheres, in the mesh's units
   double outer = 0;  // R, in the mesh's units
   double inner = 0;  // r / R
 };
@@ -32,13 +33,14 @@ Result<UnitGrain> unitGrain(const GrainMesh& grain);
 
 // The material at a point of a triangle.
 struct Surface {
-  vec3 albedo{1};  // linear
+  vec3 albedo{1};        // linear
   vec3 normal{0, 0, 1};  // unit, out of the side that is seen
   float roughness = 1;
   float metallic = 0;
 };
 // `b` and `c`: barycentric weights of corners 1 and 2; `flipped`: the back is seen.
-Surface surfaceAt(const UnitGrain& grain, const UnitTriangle& triangle, float b, float c, bool flipped);
+Surface surfaceAt(const UnitGrain& grain, const UnitTriangle& triangle, float b, float c,
+                  bool flipped);
 // Whether the material's alpha lets a masked triangle be seen there.
 bool opaqueAt(const UnitGrain& grain, const UnitTriangle& triangle, float b, float c);
 

@@ -24,7 +24,9 @@ using test::model;
 
 class Folder {
  public:
-  Folder() : path_(fs::path(SCREE_BINARY_DIR) / "impostor_tests" / ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
+  Folder()
+      : path_(fs::path(SCREE_BINARY_DIR) / "impostor_tests" /
+              ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
     fs::remove_all(path_);
     fs::create_directories(path_);
   }
@@ -35,7 +37,8 @@ class Folder {
 };
 
 ImpostorAtlas smallAtlas() {
-  Result<ImpostorAtlas> atlas = bake(test::grainOf(test::globe(8)), {.edge = 2, .texels = 16, .directions = 1});
+  Result<ImpostorAtlas> atlas =
+      bake(test::grainOf(test::globe(8)), {.edge = 2, .texels = 16, .directions = 1});
   if (!atlas.ok()) std::abort();
   return std::move(atlas).value();
 }
@@ -73,7 +76,8 @@ TEST(ImpostorFile, IsBakedOnceAndAgainWhenMeshOrParametersChange) {
   parameters.supersample = 2;
   EXPECT_NE(load(), first);
   EXPECT_GT(reports, 0);
-  fs::copy_file(fs::path(SCREE_SOURCE_DIR) / "content/models/bolt.glb", mesh, fs::copy_options::overwrite_existing);
+  fs::copy_file(fs::path(SCREE_SOURCE_DIR) / "content/models/bolt.glb", mesh,
+                fs::copy_options::overwrite_existing);
   load();
   EXPECT_GT(reports, 0);
   ASSERT_TRUE(writeFile(cache, "damaged").ok());
@@ -111,7 +115,8 @@ TEST(ImpostorFile, RefusesEachDamageWithOneLine) {
   EXPECT_EQ(refusal(with(20, 1000000u)), "x: has 1000000 views an edge, allowed are 2 to 23");
   EXPECT_EQ(refusal(with(24, 48u)), "x: has 48 texels a side, allowed are 16, 32, 64, 128, 256");
   EXPECT_NE(refusal(with(24, 256u)).find("bytes of texels"), std::string::npos);
-  for (size_t at = 36; at < 92; at += 4) EXPECT_NE(refusal(with(at, std::nanf(""))), "accepted") << at;
+  for (size_t at = 36; at < 92; at += 4)
+    EXPECT_NE(refusal(with(at, std::nanf(""))), "accepted") << at;
   EXPECT_EQ(refusal(with(52, 1.5f)), "x: its inner radius is not between 0 and the outer one");
   EXPECT_NE(refusal(with(92, 5000u)), "accepted");
   EXPECT_EQ(refusal(with(96, std::nanf(""))), "x: an error in its table is out of range");
@@ -132,17 +137,26 @@ TEST(ImpostorFile, FuzzedFilesAreRefusedOrSound) {
   const std::string good = encodeAtlas(smallAtlas());
   const auto start = std::chrono::steady_clock::now();
   size_t tried = 0, sound = 0;
-  for (uint64_t k = first; std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < limit; ++k, ++tried) {
+  for (uint64_t k = first;
+       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() < limit;
+       ++k, ++tried) {
     std::string bytes = good;
     for (uint64_t d = 0; d < 1 + k % 3; ++d) {
       const uint64_t dice = randomBits(k, d, 0, 0);
       // Half of the damage hits the header.
       const size_t at = dice % (d % 2 == 0 ? std::min<size_t>(bytes.size(), 1200) : bytes.size());
       switch (dice >> 32 & 3) {
-        case 0: bytes[at] = static_cast<char>(bytes[at] ^ (1 << (dice >> 40 & 7))); break;
-        case 1: bytes[at] = static_cast<char>(dice >> 48); break;
-        case 2: bytes.resize(std::max<size_t>(at, 1)); break;
-        default: bytes.insert(at, bytes, bytes.size() / 2, dice >> 50 & 63);
+        case 0:
+          bytes[at] = static_cast<char>(bytes[at] ^ (1 << (dice >> 40 & 7)));
+          break;
+        case 1:
+          bytes[at] = static_cast<char>(dice >> 48);
+          break;
+        case 2:
+          bytes.resize(std::max<size_t>(at, 1));
+          break;
+        default:
+          bytes.insert(at, bytes, bytes.size() / 2, dice >> 50 & 63);
       }
     }
     Result<ImpostorAtlas> atlas = decodeAtlas(k % 4 == 0 ? bytes : rehashed(bytes), "fuzz");
@@ -154,7 +168,8 @@ TEST(ImpostorFile, FuzzedFilesAreRefusedOrSound) {
     ++sound;
     ASSERT_EQ(atlas->shape.size(), atlas->texelCount() * 2);
     ASSERT_EQ(atlas->normal.size(), atlas->texelCount() * 4);
-    const images::Image image = impostors::drawImpostor(*atlas, ImpostorScheme::Parallax, {.diameter_px = 8, .side_px = 12});
+    const images::Image image = impostors::drawImpostor(*atlas, ImpostorScheme::Parallax,
+                                                        {.diameter_px = 8, .side_px = 12});
     for (float x : image.rgb) ASSERT_TRUE(std::isfinite(x));
   }
   EXPECT_GT(tried, 100u);
@@ -165,8 +180,10 @@ TEST(ImpostorFile, FuzzedFilesAreRefusedOrSound) {
 
 TEST(ImpostorErrors, LieBetweenTheMeasuredSizesByTheLogarithm) {
   ImpostorErrors errors;
-  for (size_t k = 0; k < kImpostorSizes; ++k) errors.of[3][k] = {std::log(kImpostorSizesPx[k]), 0, 0, static_cast<float>(k)};
-  for (float px : {4.0f, 5.0f, 16.0f, 77.0f, 160.0f}) EXPECT_NEAR(errors.at(ImpostorScheme::Proxy, px).ssim, std::log(px), 1e-5f);
+  for (size_t k = 0; k < kImpostorSizes; ++k)
+    errors.of[3][k] = {std::log(kImpostorSizesPx[k]), 0, 0, static_cast<float>(k)};
+  for (float px : {4.0f, 5.0f, 16.0f, 77.0f, 160.0f})
+    EXPECT_NEAR(errors.at(ImpostorScheme::Proxy, px).ssim, std::log(px), 1e-5f);
   EXPECT_EQ(errors.at(ImpostorScheme::Proxy, 1).worst_silhouette_px, 0);
   EXPECT_EQ(errors.at(ImpostorScheme::Proxy, 1e9f).worst_silhouette_px, 10);
   EXPECT_EQ(errors.at(ImpostorScheme::Proxy, std::nanf("")).worst_silhouette_px, 0);
@@ -177,7 +194,8 @@ TEST(ImpostorErrors, SilhouetteErrorOfAGrownDiscIsItsGrowth) {
   const auto disc = [](double radius) {
     std::vector<uint8_t> mask;
     for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x) mask.push_back(std::hypot(x + 0.5 - 200, y + 0.5 - 200) < radius);
+      for (int x = 0; x < kSide; ++x)
+        mask.push_back(std::hypot(x + 0.5 - 200, y + 0.5 - 200) < radius);
     return mask;
   };
   EXPECT_NEAR(impostors::silhouetteError(disc(104), disc(100), kSide, kSamples), 1.02, 0.03);
@@ -188,7 +206,8 @@ TEST(ImpostorErrors, SilhouetteErrorOfAGrownDiscIsItsGrowth) {
 // The table must be that of the pictures: a ball is a ball from everywhere, so that its impostor is
 // nearly perfect, and only the ellipsoid knows where its surface is.
 TEST(ImpostorErrors, OfABallAreSmall) {
-  Result<ImpostorAtlas> atlas = bake(test::grainOf(test::globe(40)), {.edge = 4, .texels = 128, .directions = 6});
+  Result<ImpostorAtlas> atlas =
+      bake(test::grainOf(test::globe(40)), {.edge = 4, .texels = 128, .directions = 6});
   ASSERT_TRUE(atlas.ok());
   const ImpostorError ball = atlas->errors.at(ImpostorScheme::Proxy, 100);
   EXPECT_GT(ball.ssim, 0.98f);
@@ -198,9 +217,11 @@ TEST(ImpostorErrors, OfABallAreSmall) {
 
 // ---- How the schemes compare, at equal memory ------------------------------------------------
 
-double meanOver(const ImpostorErrors& errors, ImpostorScheme scheme, size_t from, float ImpostorError::* member) {
+double meanOver(const ImpostorErrors& errors, ImpostorScheme scheme, size_t from,
+                float ImpostorError::*member) {
   double sum = 0;
-  for (size_t k = from; k < kImpostorSizes; ++k) sum += errors.of[static_cast<size_t>(scheme)][k].*member;
+  for (size_t k = from; k < kImpostorSizes; ++k)
+    sum += errors.of[static_cast<size_t>(scheme)][k].*member;
   return sum / static_cast<double>(kImpostorSizes - from);
 }
 
@@ -208,37 +229,50 @@ TEST(ImpostorSchemes, TheEllipsoidBeatsPlaneSphereAndMixedOnEveryShape) {
   for (const char* name : {"coffee_bean.glb", "pebble.glb", "bolt.glb"}) {
     Result<ImpostorAtlas> atlas = bake(model(name), {.edge = 5, .texels = 64, .directions = 6});
     ASSERT_TRUE(atlas.ok()) << atlas.error();
-    const auto of = [&](ImpostorScheme scheme, float ImpostorError::* member) {
+    const auto of = [&](ImpostorScheme scheme, float ImpostorError::*member) {
       constexpr size_t kFrom = 5;  // 24 px: below, a pixel hides what the schemes differ in
       return meanOver(atlas->errors, scheme, kFrom, member);
     };
-    for (ImpostorScheme other : {ImpostorScheme::Planar, ImpostorScheme::Spherical, ImpostorScheme::Mixed}) {
-      EXPECT_GT(of(ImpostorScheme::Proxy, &ImpostorError::ssim), of(other, &ImpostorError::ssim) + 0.003) << name;
-      EXPECT_LT(of(ImpostorScheme::Proxy, &ImpostorError::flip), of(other, &ImpostorError::flip)) << name;
-      EXPECT_LT(of(ImpostorScheme::Proxy, &ImpostorError::silhouette_px), of(other, &ImpostorError::silhouette_px)) << name;
+    for (ImpostorScheme other :
+         {ImpostorScheme::Planar, ImpostorScheme::Spherical, ImpostorScheme::Mixed}) {
+      EXPECT_GT(of(ImpostorScheme::Proxy, &ImpostorError::ssim),
+                of(other, &ImpostorError::ssim) + 0.003)
+          << name;
+      EXPECT_LT(of(ImpostorScheme::Proxy, &ImpostorError::flip), of(other, &ImpostorError::flip))
+          << name;
+      EXPECT_LT(of(ImpostorScheme::Proxy, &ImpostorError::silhouette_px),
+                of(other, &ImpostorError::silhouette_px))
+          << name;
     }
-    EXPECT_GT(of(ImpostorScheme::Parallax, &ImpostorError::ssim), of(ImpostorScheme::Proxy, &ImpostorError::ssim)) << name;
+    EXPECT_GT(of(ImpostorScheme::Parallax, &ImpostorError::ssim),
+              of(ImpostorScheme::Proxy, &ImpostorError::ssim))
+        << name;
   }
 }
 
-// The image of a grain that turns across the equator of its views steps by no more than it does elsewhere.
+// The image of a grain that turns across the equator of its views steps by no more than it does
+// elsewhere.
 TEST(ImpostorSchemes, ImagesDoNotJumpWhereViewsChange) {
-  Result<ImpostorAtlas> atlas = bake(model("coffee_bean.glb"), {.edge = 5, .texels = 32, .directions = 0});
+  Result<ImpostorAtlas> atlas =
+      bake(model("coffee_bean.glb"), {.edge = 5, .texels = 32, .directions = 0});
   ASSERT_TRUE(atlas.ok());
   const auto image = [&](vec3 axis) {
     axis = glm::normalize(axis);
     const vec3 right = glm::normalize(glm::cross(vec3(0.1f, 0.9f, 0.3f), axis));
-    return impostors::drawImpostor(*atlas, ImpostorScheme::Proxy, {axis, right, glm::cross(axis, right), 40, 44});
+    return impostors::drawImpostor(*atlas, ImpostorScheme::Proxy,
+                                   {axis, right, glm::cross(axis, right), 40, 44});
   };
   for (int k = 0; k < 48; ++k) {
     const float a = static_cast<float>(k) * 0.1309f;
-    const vec3 on(std::cos(a), std::sin(a), 0), lattice = rules::impostorViewDirection(static_cast<uint32_t>(k), 5);
+    const vec3 on(std::cos(a), std::sin(a), 0),
+        lattice = rules::impostorViewDirection(static_cast<uint32_t>(k), 5);
     for (const auto& [here, there] : {std::pair{vec3(on.x, on.y, -1e-7f), vec3(on.x, on.y, 1e-7f)},
                                       std::pair{vec3(-1e-7f, on.x, on.y), vec3(1e-7f, on.x, on.y)},
                                       std::pair{lattice, lattice + vec3(1e-6f, -1e-6f, 1e-6f)}}) {
       const images::Image before = image(here), after = image(there);
       size_t differing = 0;
-      for (size_t i = 0; i < before.rgb.size(); i += 3) differing += std::abs(before.rgb[i] - after.rgb[i]) > 0.02f;
+      for (size_t i = 0; i < before.rgb.size(); i += 3)
+        differing += std::abs(before.rgb[i] - after.rgb[i]) > 0.02f;
       ASSERT_LE(differing, 2u) << k;  // a pixel whose coverage is one half may flip
     }
   }
@@ -253,7 +287,8 @@ TEST(ImpostorChoice, TakesTheLeastMemoryThatIsGood) {
     asked.emplace_back(edge, texels);
     return 1.0f / static_cast<float>(edge * texels);
   };
-  Result<ImpostorChoice> choice = chooseImpostor({.max_flip = 1.0f / 192, .max_bytes = uint64_t{1} << 30}, sizes, flip);
+  Result<ImpostorChoice> choice =
+      chooseImpostor({.max_flip = 1.0f / 192, .max_bytes = uint64_t{1} << 30}, sizes, flip);
   ASSERT_TRUE(choice.ok());
   EXPECT_TRUE(choice->good);
   EXPECT_EQ(std::pair(choice->edge, choice->texels), std::pair(6, 32));

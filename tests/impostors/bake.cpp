@@ -30,14 +30,17 @@ TEST(ImpostorSpheres, EnclosingSphereIsTheSmallest) {
     std::vector<dvec3> points;
     const size_t count = 2 + k % 40;
     for (size_t i = 0; i < count; ++i)
-      points.emplace_back(randomUnit(k, i, 0, 0), 0.3 * randomUnit(k, i, 0, 1), k % 7 == 0 ? 0.0 : 2.0 * randomUnit(k, i, 0, 2));
+      points.emplace_back(randomUnit(k, i, 0, 0), 0.3 * randomUnit(k, i, 0, 1),
+                          k % 7 == 0 ? 0.0 : 2.0 * randomUnit(k, i, 0, 2));
     const Sphere sphere = enclosingSphere(points);
     double farthest = 0;
     for (const dvec3& p : points) farthest = std::max(farthest, glm::length(p - sphere.center));
     EXPECT_NEAR(farthest, sphere.radius, 1e-9);
     // Smallest: no step of the centre brings the farthest point nearer.
     for (uint64_t s = 0; s < 60; ++s) {
-      const dvec3 step = (dvec3(randomUnit(77, s, 0, 0), randomUnit(77, s, 0, 1), randomUnit(77, s, 0, 2)) - 0.5) * 0.02;
+      const dvec3 step =
+          (dvec3(randomUnit(77, s, 0, 0), randomUnit(77, s, 0, 1), randomUnit(77, s, 0, 2)) - 0.5) *
+          0.02;
       double moved = 0;
       for (const dvec3& p : points) moved = std::max(moved, glm::length(p - sphere.center - step));
       EXPECT_GE(moved, sphere.radius - 1e-9);
@@ -50,7 +53,8 @@ TEST(ImpostorSpheres, CoincidentCollinearAndCocircularPointsAreBorne) {
   std::vector<dvec3> line, circle;
   for (int i = 0; i <= 100; ++i) line.emplace_back(i * 0.1, i * 0.2, 0);
   EXPECT_NEAR(enclosingSphere(line).radius, 0.5 * std::sqrt(100.0 + 400.0), 1e-9);
-  for (int i = 0; i < 500; ++i) circle.emplace_back(std::cos(i * 0.0125663706), std::sin(i * 0.0125663706), 7);
+  for (int i = 0; i < 500; ++i)
+    circle.emplace_back(std::cos(i * 0.0125663706), std::sin(i * 0.0125663706), 7);
   EXPECT_NEAR(enclosingSphere(circle).radius, 1, 1e-9);
 }
 
@@ -73,7 +77,8 @@ TEST(ImpostorSpheres, ProxyOfAnEllipsoidIsThatEllipsoid) {
   for (uint32_t i : ball.indices) corners.emplace_back(ball.vertices[i].position);
   const rules::ImpostorProxy proxy = proxyOf(corners, 0.5);
   for (const Vertex& v : ball.vertices)
-    EXPECT_NEAR(glm::length(rules::impostorToProxy(proxy, v.position - vec3(proxy.center))), 1, 4e-3f);
+    EXPECT_NEAR(glm::length(rules::impostorToProxy(proxy, v.position - vec3(proxy.center))), 1,
+                4e-3f);
   std::swap(corners[0], corners[1]);
   for (size_t t = 3; t < corners.size(); t += 3) std::swap(corners[t], corners[t + 1]);
   EXPECT_NEAR(proxyOf(corners, 0.5).diagonal.x, 2, 1e-6f);  // inside out: the sphere
@@ -88,13 +93,19 @@ TEST(ImpostorSpheres, RadiiOfTheBakeHoldTheWholeMeshAndNothingLiesInside) {
     double nearest = 1e9;
     for (const MeshData& part : grain.parts) {
       for (size_t t = 0; t < part.indices.size(); t += 3) {
-        const auto at = [&](size_t k) { return dvec3(part.vertices[part.indices[t + k]].position) - dvec3(atlas->center); };
-        for (size_t k = 0; k < 3; ++k) EXPECT_LE(glm::length(at(k)), static_cast<double>(atlas->outer)) << name;
+        const auto at = [&](size_t k) {
+          return dvec3(part.vertices[part.indices[t + k]].position) - dvec3(atlas->center);
+        };
+        for (size_t k = 0; k < 3; ++k)
+          EXPECT_LE(glm::length(at(k)), static_cast<double>(atlas->outer)) << name;
         nearest = std::min(nearest, distanceToTriangle(dvec3(0), at(0), at(1), at(2)));
       }
     }
-    EXPECT_LE(static_cast<double>(atlas->inner) * static_cast<double>(atlas->outer), nearest) << name;
-    EXPECT_GE(static_cast<double>(atlas->inner) * static_cast<double>(atlas->outer), nearest * 0.9999) << name;
+    EXPECT_LE(static_cast<double>(atlas->inner) * static_cast<double>(atlas->outer), nearest)
+        << name;
+    EXPECT_GE(static_cast<double>(atlas->inner) * static_cast<double>(atlas->outer),
+              nearest * 0.9999)
+        << name;
   }
 }
 
@@ -129,7 +140,9 @@ TEST(ImpostorCast, EverySampleSeesWhatARayThroughItMeetsFirst) {
         }
         const Seen& s = seen[static_cast<size_t>(y * 96 + x)];
         ++compared;
-        if ((s.triangle >= 0) != (best > -5) || (s.triangle >= 0 && std::abs(static_cast<double>(s.height) - best) > 0.02)) ++differing;
+        if ((s.triangle >= 0) != (best > -5) ||
+            (s.triangle >= 0 && std::abs(static_cast<double>(s.height) - best) > 0.02))
+          ++differing;
       }
     }
   }
@@ -139,14 +152,18 @@ TEST(ImpostorCast, EverySampleSeesWhatARayThroughItMeetsFirst) {
 }
 
 TEST(ImpostorCast, TrianglesThatShareEdgesCoverASquareOnceAndWholly) {
-  // A fan around a point that lies on no grid; seen along its normal, its area is the count of samples.
+  // A fan around a point that lies on no grid; seen along its normal, its area is the count of
+  // samples.
   std::vector<vec3> corners;
   const vec3 middle(0.0317f, -0.0713f, 0);
   for (int k = 0; k < 32; ++k) {
     const auto rim = [](int i) {
       const float t = static_cast<float>(i % 32) / 8.0f;
       const float f = 2 * (t - std::floor(t)) - 1;
-      return i % 32 < 8 ? vec3(f, -1, 0) : i % 32 < 16 ? vec3(1, f, 0) : i % 32 < 24 ? vec3(-f, 1, 0) : vec3(-1, -f, 0);
+      return i % 32 < 8    ? vec3(f, -1, 0)
+             : i % 32 < 16 ? vec3(1, f, 0)
+             : i % 32 < 24 ? vec3(-f, 1, 0)
+                           : vec3(-1, -f, 0);
     };
     for (const vec3& p : {middle, rim(k), rim(k + 1)}) corners.push_back(p);
   }
@@ -162,7 +179,8 @@ TEST(ImpostorCast, TrianglesThatShareEdgesCoverASquareOnceAndWholly) {
     UnitGrain alone = *unit;
     alone.triangles = {triangle};
     cast(alone, {.extent = 2, .samples = 200}, seen);
-    for (const Seen& s : seen) each[static_cast<size_t>(&triangle - unit->triangles.data())] += s.triangle >= 0;
+    for (const Seen& s : seen)
+      each[static_cast<size_t>(&triangle - unit->triangles.data())] += s.triangle >= 0;
   }
   size_t sum = 0;
   for (size_t n : each) sum += n;
@@ -184,22 +202,27 @@ TEST(ImpostorCast, BackFacesAreSeenOnlyOfDoubleSidedMaterials) {
     const auto found = std::ranges::find_if(seen, [](const Seen& s) { return s.triangle >= 0; });
     EXPECT_EQ(found != seen.end(), twice);
     if (found == seen.end()) continue;
-    EXPECT_EQ(surfaceAt(*unit, unit->triangles[0], found->b, found->c, found->flipped).normal.z, -1);
+    EXPECT_EQ(surfaceAt(*unit, unit->triangles[0], found->b, found->c, found->flipped).normal.z,
+              -1);
   }
 }
 
 // ---- Texels ---------------------------------------------------------------------------------
 
 vec3 albedoAt(const ImpostorAtlas& a, uint64_t texel) {
-  return rules::albedoFromCode(vec3(a.color[texel * 4], a.color[texel * 4 + 1], a.color[texel * 4 + 2]) / 255.0f);
+  return rules::albedoFromCode(
+      vec3(a.color[texel * 4], a.color[texel * 4 + 1], a.color[texel * 4 + 2]) / 255.0f);
 }
 vec3 normalAt(const ImpostorAtlas& a, uint64_t texel) {
-  return rules::impostorNormalFromCode(vec3(a.normal[texel * 4], a.normal[texel * 4 + 1], a.normal[texel * 4 + 2]) / 255.0f);
+  return rules::impostorNormalFromCode(
+      vec3(a.normal[texel * 4], a.normal[texel * 4 + 1], a.normal[texel * 4 + 2]) / 255.0f);
 }
 
 TEST(ImpostorBake, ASphereHasItsNormalsHeightsAndArea) {
   const float radius = 0.02f;
-  Result<ImpostorAtlas> atlas = bake(grainOf(globe(96, [&](vec3 p) { return p * radius + vec3(0.7f, 0.8f, 0.9f); })), {.edge = 3, .texels = 64, .directions = 0});
+  Result<ImpostorAtlas> atlas =
+      bake(grainOf(globe(96, [&](vec3 p) { return p * radius + vec3(0.7f, 0.8f, 0.9f); })),
+           {.edge = 3, .texels = 64, .directions = 0});
   ASSERT_TRUE(atlas.ok()) << atlas.error();
   EXPECT_NEAR(atlas->outer, radius, 1e-5f);
   EXPECT_NEAR(atlas->inner, 1, 1e-3f);
@@ -217,8 +240,11 @@ TEST(ImpostorBake, ASphereHasItsNormalsHeightsAndArea) {
         if (inside < 0.3f) continue;
         ASSERT_EQ(atlas->shape[texel * 2], 255);
         const float height = std::sqrt(inside);
-        ASSERT_NEAR(rules::impostorHeightFromCode(atlas->shape[texel * 2 + 1] / 255.0f), height, 0.008f);
-        ASSERT_GT(glm::dot(glm::normalize(normalAt(*atlas, texel)), basis.right * at.x + basis.up * at.y + axis * height), 0.998f);
+        ASSERT_NEAR(rules::impostorHeightFromCode(atlas->shape[texel * 2 + 1] / 255.0f), height,
+                    0.008f);
+        ASSERT_GT(glm::dot(glm::normalize(normalAt(*atlas, texel)),
+                           basis.right * at.x + basis.up * at.y + axis * height),
+                  0.998f);
         ASSERT_NEAR(albedoAt(*atlas, texel).x, 0.5f, 0.006f);
       }
     }
@@ -232,7 +258,8 @@ TEST(ImpostorBake, EveryTexelOfEveryLevelIsDefinedEvenWhereNothingIsSeen) {
       {{0, 0, 0}, {1, 0, 0}, {0.5f, 0.01f, 0}, {0, 0, 0}, {0.5f, 0, 0.01f}, {1, 0, 0}},
       {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}};
   for (const std::vector<vec3>& corners : shapes) {
-    Result<ImpostorAtlas> atlas = bake(grainOf(test::soup(corners), plain({0.2f, 0.9f, 0.1f})), {.edge = 4, .texels = 32, .directions = 0});
+    Result<ImpostorAtlas> atlas = bake(grainOf(test::soup(corners), plain({0.2f, 0.9f, 0.1f})),
+                                       {.edge = 4, .texels = 32, .directions = 0});
     ASSERT_TRUE(atlas.ok()) << atlas.error();
     int unseen = 0;
     for (int layer = 0; layer < atlas->views(); ++layer) {
@@ -246,7 +273,8 @@ TEST(ImpostorBake, EveryTexelOfEveryLevelIsDefinedEvenWhereNothingIsSeen) {
           ASSERT_LT(length, 1.02f);
           // The material's colour, or of a view that sees nothing the neutral one.
           const vec3 albedo = albedoAt(*atlas, texel);
-          ASSERT_TRUE(glm::length(albedo - vec3(0.2f, 0.9f, 0.1f)) < 0.02f || glm::length(albedo - vec3(0.5f)) < 0.02f);
+          ASSERT_TRUE(glm::length(albedo - vec3(0.2f, 0.9f, 0.1f)) < 0.02f ||
+                      glm::length(albedo - vec3(0.5f)) < 0.02f);
         }
       }
       unseen += covered == 0;
@@ -260,7 +288,8 @@ TEST(ImpostorBake, EveryTexelOfEveryLevelIsDefinedEvenWhereNothingIsSeen) {
 TEST(ImpostorBake, ViewsDoNotBleedIntoEachOtherInAnyLevel) {
   GrainMesh grain;
   grain.materials = {plain({1, 0, 0}), plain({0, 0, 1})};
-  grain.parts = {test::soup({{-1, -1, 0.01f}, {1, -1, 0.01f}, {0, 1, 0.01f}}), test::soup({{1, -1, -0.01f}, {-1, -1, -0.01f}, {0, 1, -0.01f}})};
+  grain.parts = {test::soup({{-1, -1, 0.01f}, {1, -1, 0.01f}, {0, 1, 0.01f}}),
+                 test::soup({{1, -1, -0.01f}, {-1, -1, -0.01f}, {0, 1, -0.01f}})};
   grain.parts[0].material = 0;
   grain.parts[1].material = 1;
   Result<ImpostorAtlas> atlas = bake(grain, {.edge = 5, .texels = 32, .directions = 0});
@@ -272,7 +301,8 @@ TEST(ImpostorBake, ViewsDoNotBleedIntoEachOtherInAnyLevel) {
     (z > 0 ? red : blue) += 1;
     for (int level = 0; level < atlas->levels(); ++level)
       for (int i = 0; i < atlas->side(level) * atlas->side(level); ++i)
-        ASSERT_EQ(albedoAt(*atlas, atlas->offset(level, layer) + static_cast<uint64_t>(i)), z > 0 ? vec3(1, 0, 0) : vec3(0, 0, 1));
+        ASSERT_EQ(albedoAt(*atlas, atlas->offset(level, layer) + static_cast<uint64_t>(i)),
+                  z > 0 ? vec3(1, 0, 0) : vec3(0, 0, 1));
   }
   EXPECT_GT(red, 20);
   EXPECT_EQ(red, blue);
@@ -303,7 +333,8 @@ TEST(ImpostorTexels, NormalsThatCancelKeepALengthAndTheBroadestLobe) {
   EXPECT_EQ(mean.normal, axis);
   EXPECT_EQ(mean.roughness, 1);
   const StoredTexel bytes = stored(1, mean);
-  const vec3 read = rules::impostorNormalFromCode(vec3(bytes.normal[0], bytes.normal[1], bytes.normal[2]) / 255.0f);
+  const vec3 read = rules::impostorNormalFromCode(
+      vec3(bytes.normal[0], bytes.normal[1], bytes.normal[2]) / 255.0f);
   EXPECT_NEAR(glm::length(read), 1, 0.01f);
   // And of ridges that face each other nearly.
   sums[0].normal = glm::normalize(vec3(1, 0, 0.01f));
@@ -317,7 +348,9 @@ TEST(ImpostorBake, CoarserLevelsOfABumpyGrainAreRougher) {
   ASSERT_TRUE(atlas.ok());
   float before = 0;
   for (int level = 0; level < atlas->levels(); ++level) {
-    const uint64_t middle = atlas->offset(level, 0) + static_cast<uint64_t>(atlas->side(level) / 2 * (atlas->side(level) + 1));
+    const uint64_t middle =
+        atlas->offset(level, 0) +
+        static_cast<uint64_t>(atlas->side(level) / 2 * (atlas->side(level) + 1));
     const float roughness = atlas->normal[middle * 4 + 3] / 255.0f;
     EXPECT_GE(roughness, before);
     before = roughness;
@@ -331,9 +364,11 @@ TEST(ImpostorBake, CoarserLevelsOfABumpyGrainAreRougher) {
 // ---- Materials ------------------------------------------------------------------------------
 
 TEST(ImpostorBake, MaskedMaterialsAreCutOut) {
-  ImageData image{.name = "stripes", .width = 2, .height = 1, .channels = 4, .encoding = ColorEncoding::Srgb};
+  ImageData image{
+      .name = "stripes", .width = 2, .height = 1, .channels = 4, .encoding = ColorEncoding::Srgb};
   image.bytes = {255, 255, 255, 255, 255, 255, 255, 0};
-  MeshData sheet = test::soup({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, -1, 0}, {1, 1, 0}, {-1, 1, 0}});
+  MeshData sheet =
+      test::soup({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, -1, 0}, {1, 1, 0}, {-1, 1, 0}});
   for (Vertex& v : sheet.vertices) v.uv = (vec2(v.position) + 1.0f) * 0.5f;
   MaterialData material = plain({1, 1, 1});
   material.alpha_mode = AlphaMode::Mask;
@@ -344,7 +379,8 @@ TEST(ImpostorBake, MaskedMaterialsAreCutOut) {
     Result<ImpostorAtlas> atlas = bake(mesh, kSmall);
     double sum = 0;
     // n = 3: rows of 1, 3, 5, 3, 1 views; the pole +z is number 6.
-    for (uint64_t i = 0; i < 16 * 16; ++i) sum += atlas->shape[(atlas->offset(0, 6) + i) * 2] / 255.0;
+    for (uint64_t i = 0; i < 16 * 16; ++i)
+      sum += atlas->shape[(atlas->offset(0, 6) + i) * 2] / 255.0;
     return sum;
   };
   const double cut = covered(grain);
@@ -371,7 +407,9 @@ TEST(ImpostorBake, BytesAreEqualForEveryNumberOfThreads) {
 TEST(ImpostorBake, KeysTellApartAllThatIsBaked) {
   const GrainMesh grain = test::model("pebble.glb");
   std::set<uint64_t> keys{bakeKey(grain, {})};
-  const auto expectNew = [&](const GrainMesh& other, const BakeParameters& p) { EXPECT_TRUE(keys.insert(bakeKey(other, p)).second); };
+  const auto expectNew = [&](const GrainMesh& other, const BakeParameters& p) {
+    EXPECT_TRUE(keys.insert(bakeKey(other, p)).second);
+  };
   expectNew(grain, {.edge = 7});
   expectNew(grain, {.texels = 32});
   expectNew(grain, {.supersample = 2});
@@ -397,7 +435,8 @@ TEST(ImpostorBake, RefusesWhatCannotBeBakedAndNamesTheValue) {
   EXPECT_EQ(refusal(good), "");
   EXPECT_EQ(refusal(good, {.edge = 24}), "impostor: views (n) is 24, allowed are 2 to 23");
   EXPECT_EQ(refusal(good, {.edge = 1}), "impostor: views (n) is 1, allowed are 2 to 23");
-  EXPECT_EQ(refusal(good, {.texels = 48}), "impostor: texels (p) is 48, allowed are 16, 32, 64, 128, 256");
+  EXPECT_EQ(refusal(good, {.texels = 48}),
+            "impostor: texels (p) is 48, allowed are 16, 32, 64, 128, 256");
   EXPECT_NE(refusal(good, {.texels = 512}), "");
   EXPECT_NE(refusal(good, {.supersample = 0}), "");
   EXPECT_NE(refusal(good, {.directions = -1}), "");
@@ -415,7 +454,8 @@ TEST(ImpostorBake, RefusesWhatCannotBeBakedAndNamesTheValue) {
   bad = good;
   bad.materials[0].base_color_map.image = 0;
   EXPECT_NE(refusal(bad).find("image 0, of 0"), std::string::npos);
-  EXPECT_NE(refusal(grainOf(test::soup({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}))).find("extent"), std::string::npos);
+  EXPECT_NE(refusal(grainOf(test::soup({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}))).find("extent"),
+            std::string::npos);
   // Degenerate triangles beside sound ones, and a mesh far from its origin, are borne.
   bad = good;
   for (uint32_t k : {0u, 0u, 1u}) bad.parts[0].indices.push_back(k);

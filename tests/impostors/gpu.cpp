@@ -2,12 +2,12 @@
 #include <filesystem>
 #include <vector>
 
+#include "engine/core/random.h"
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/objects.h"
 #include "engine/gpu/program.h"
 #include "engine/gpu/readback.h"
-#include "engine/core/random.h"
 #include "shaders/shared/impostor.h"
 #include "tests/support/gl_fixture.h"
 #include "tests/support/gl_shader_folder.h"
@@ -23,7 +23,9 @@ constexpr size_t kFloats = 32;  // a case writes this many numbers
 std::vector<float> expected(vec3 d, int n) {
   using namespace rules;
   std::vector<float> out;
-  const auto put3 = [&](vec3 v) { for (int c = 0; c < 3; ++c) out.push_back(v[c]); };
+  const auto put3 = [&](vec3 v) {
+    for (int c = 0; c < 3; ++c) out.push_back(v[c]);
+  };
   const ImpostorViews v = impostorViews(d, n);
   for (uint32_t layer : {v.layer0, v.layer1, v.layer2}) out.push_back(static_cast<float>(layer));
   put3(v.weight);
@@ -33,18 +35,21 @@ std::vector<float> expected(vec3 d, int n) {
   const ImpostorBasis basis = impostorBasis(v.axis0);
   put3(basis.right);
   put3(basis.up);
-  const ImpostorProxy proxy{vec4(0.05f, -0.1f, 0.02f, 0), vec4(1.2f, 1.9f, 1.5f, 0), vec4(0.3f, -0.2f, 0.15f, 0)};
+  const ImpostorProxy proxy{vec4(0.05f, -0.1f, 0.02f, 0), vec4(1.2f, 1.9f, 1.5f, 0),
+                            vec4(0.3f, -0.2f, 0.15f, 0)};
   const ImpostorRay ray = impostorRay(d * 5.0f + basis.right * 0.3f, d * -1.0f);
   const vec3 on_proxy = impostorOnProxy(ray, proxy);
   put3(on_proxy);
-  const vec2 uv = impostorUv(impostorStep(ray, on_proxy, v.axis0, 0.3f), v.axis0, impostorExtent(64));
+  const vec2 uv =
+      impostorUv(impostorStep(ray, on_proxy, v.axis0, 0.3f), v.axis0, impostorExtent(64));
   out.push_back(uv.x);
   out.push_back(uv.y);
   const vec2 mixed = impostorUv(impostorMixed(ray, v.axis0, 0.8f), v.axis0, impostorExtent(64));
   out.push_back(mixed.x);
   out.push_back(mixed.y);
   out.push_back(impostorSpread(0.01f, abs(d.x)));
-  out.push_back(static_cast<float>(impostorLevel(128, 3.0f + 60.0f * abs(d.y), kImpostorShapeBias)));
+  out.push_back(
+      static_cast<float>(impostorLevel(128, 3.0f + 60.0f * abs(d.y), kImpostorShapeBias)));
   out.resize(kFloats, 0);
   return out;
 }
@@ -99,16 +104,22 @@ TEST_F(ImpostorGpu, RulesAreThoseOfTheCpu) {
     for (uint64_t k = 0; k < 200; ++k) {
       vec3 d(0);
       for (uint64_t draw = 0; glm::dot(d, d) < 0.05f; draw += 3)
-        d = vec3(randomUnit(3, k, static_cast<uint64_t>(n), draw), randomUnit(3, k, static_cast<uint64_t>(n), draw + 1), randomUnit(3, k, static_cast<uint64_t>(n), draw + 2)) * 2.0f - 1.0f;
+        d = vec3(randomUnit(3, k, static_cast<uint64_t>(n), draw),
+                 randomUnit(3, k, static_cast<uint64_t>(n), draw + 1),
+                 randomUnit(3, k, static_cast<uint64_t>(n), draw + 2)) *
+                2.0f -
+            1.0f;
       if (k % 5 == 0) d[static_cast<int>(k / 5 % 3)] = 0;  // on the circles where signs change
       cases.emplace_back(glm::normalize(d), n);
     }
   }
   test::ShaderFolder root;
-  std::filesystem::copy(std::string(SCREE_SOURCE_DIR) + "/shaders", root.path(),
-                        std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::copy(
+      std::string(SCREE_SOURCE_DIR) + "/shaders", root.path(),
+      std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
   root.write("probe.comp", kProgram);
-  gpu::Program program({.name = "test.impostor_rules", .compute = "probe.comp", .root = root.path()});
+  gpu::Program program(
+      {.name = "test.impostor_rules", .compute = "probe.comp", .root = root.path()});
   const Status compiled = program.compile();
   ASSERT_TRUE(compiled.ok()) << compiled.error();
   ASSERT_TRUE(program.use());
@@ -124,8 +135,8 @@ TEST_F(ImpostorGpu, RulesAreThoseOfTheCpu) {
   for (size_t k = 0; k < cases.size(); ++k) {
     const int n = static_cast<int>(cases[k].w);
     const std::vector<float> want = expected(vec3(cases[k]), n);
-    // On a border of the lattice, rounding may take the triangle on the other side: then the weight of the
-    // view that differs is as good as zero.
+    // On a border of the lattice, rounding may take the triangle on the other side: then the weight
+    // of the view that differs is as good as zero.
     bool same = true;
     for (size_t c = 0; c < 3; ++c) same = same && read[k * kFloats + c] == want[c];
     if (!same) {
@@ -136,7 +147,8 @@ TEST_F(ImpostorGpu, RulesAreThoseOfTheCpu) {
       continue;
     }
     for (size_t c = 3; c < kFloats; ++c)
-      ASSERT_NEAR(read[k * kFloats + c], want[c], c < 6 ? 4e-6f * static_cast<float>(n) : 3e-4f) << k << " number " << c;
+      ASSERT_NEAR(read[k * kFloats + c], want[c], c < 6 ? 4e-6f * static_cast<float>(n) : 3e-4f)
+          << k << " number " << c;
   }
   EXPECT_LT(other_triangle, cases.size() / 100);
 }

@@ -16,12 +16,15 @@
 namespace scree {
 namespace {
 
-using rules::ImpostorViews;
 using glm::dot;
+using rules::ImpostorViews;
 
 vec3 randomDirection(uint64_t k, uint64_t seed = 9) {
   for (uint64_t draw = 0;; draw += 3) {
-    const vec3 v = vec3(randomUnit(seed, k, 0, draw), randomUnit(seed, k, 0, draw + 1), randomUnit(seed, k, 0, draw + 2)) * 2.0f - 1.0f;
+    const vec3 v = vec3(randomUnit(seed, k, 0, draw), randomUnit(seed, k, 0, draw + 1),
+                        randomUnit(seed, k, 0, draw + 2)) *
+                       2.0f -
+                   1.0f;
     if (dot(v, v) < 1 && dot(v, v) > 0.01f) return glm::normalize(v);
   }
 }
@@ -102,8 +105,12 @@ TEST(ImpostorViews, AxesAreViewsThemselvesForEveryNAndSignOfZero) {
 // The triangle's views must be the three whose axes span the direction with positive weights.
 TEST(ImpostorViews, WeightsAreThoseOfATriangleThatHoldsTheDirection) {
   for (int n = rules::kImpostorMinEdge; n <= rules::kImpostorMaxEdge; ++n) {
-    for (uint64_t k = 0; k < 2000; ++k) {
-      const vec3 d = randomDirection(k);
+    const auto views = static_cast<uint64_t>(rules::impostorViewCount(n));
+    for (uint64_t k = 0; k < 2000 + views; ++k) {
+      // Random ones, of which some lie on the circles where signs change, and every view itself.
+      vec3 d = k < 2000 ? randomDirection(k)
+                        : rules::impostorViewDirection(static_cast<uint32_t>(k - 2000), n);
+      if (k < 2000 && k % 4 == 0) d[static_cast<int>(k / 4 % 3)] = k % 8 == 0 ? 0.0f : -0.0f;
       const ImpostorViews v = rules::impostorViews(d, n);
       ASSERT_NEAR(v.weight.x + v.weight.y + v.weight.z, 1, 1e-6f);
       ASSERT_GE(std::min({v.weight.x, v.weight.y, v.weight.z}), 0);
@@ -114,9 +121,11 @@ TEST(ImpostorViews, WeightsAreThoseOfATriangleThatHoldsTheDirection) {
       for (int c = 0; c < 3; ++c) {
         ASSERT_LT(layers[c], static_cast<uint32_t>(rules::impostorViewCount(n)));
         ASSERT_EQ(axes[c], rules::impostorViewDirection(layers[c], n));
-        sum += glm::dvec3(rules::impostorLattice(layers[c], n)) / static_cast<double>(m) * static_cast<double>(v.weight[c]);
+        sum += glm::dvec3(rules::impostorLattice(layers[c], n)) / static_cast<double>(m) *
+               static_cast<double>(v.weight[c]);
         // Neighbours: a lattice step from each other.
-        const glm::ivec3 step = glm::abs(rules::impostorLattice(layers[c], n) - rules::impostorLattice(layers[(c + 1) % 3], n));
+        const glm::ivec3 step = glm::abs(rules::impostorLattice(layers[c], n) -
+                                         rules::impostorLattice(layers[(c + 1) % 3], n));
         ASSERT_EQ(step.x + step.y + step.z, 2);
       }
       // On the octahedron the weighted lattice points give the direction's own point.
@@ -126,8 +135,8 @@ TEST(ImpostorViews, WeightsAreThoseOfATriangleThatHoldsTheDirection) {
   }
 }
 
-// Across every border of the lattice, the equator and the poles: a step of one ulp changes the weights by
-// ulps, and a step of an angle by no more than the lattice's spacing allows.
+// Across every border of the lattice, the equator and the poles: a step of one ulp changes the
+// weights by ulps, and a step of an angle by no more than the lattice's spacing allows.
 TEST(ImpostorViews, WeightsAreContinuousEverywhere) {
   for (int n = rules::kImpostorMinEdge; n <= rules::kImpostorMaxEdge; ++n) {
     const float bound = 3e-6f * static_cast<float>(n);
@@ -155,8 +164,12 @@ TEST(ImpostorViews, WeightsAreContinuousEverywhere) {
     }
     // Lattice points, edges and random places: each moved by one ulp along each axis.
     for (uint64_t k = 0; k < 1500; ++k) {
-      vec3 d = k < 500 ? rules::impostorViewDirection(static_cast<uint32_t>(randomBits(3, k, 0, 0) % static_cast<uint64_t>(rules::impostorViewCount(n))), n)
-                       : randomDirection(k, 21);
+      vec3 d = k < 500
+                   ? rules::impostorViewDirection(
+                         static_cast<uint32_t>(randomBits(3, k, 0, 0) %
+                                               static_cast<uint64_t>(rules::impostorViewCount(n))),
+                         n)
+                   : randomDirection(k, 21);
       if (k % 3 == 1) d[static_cast<int>(k / 3 % 3)] = d[static_cast<int>(k / 3 + 1) % 3];
       if (d == vec3(0)) continue;
       for (int axis = 0; axis < 3; ++axis) {
@@ -171,16 +184,20 @@ TEST(ImpostorViews, WeightsAreContinuousEverywhere) {
 }
 
 TEST(ImpostorViews, WhatHasNoDirectionTakesTheFirstAxisAndStaysFinite) {
-  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              inf = std::numeric_limits<float>::infinity();
   for (int n : {2, 5, 33}) {
-    for (const vec3 d : {vec3(0), vec3(nan, 0, 1), vec3(inf, 0, 0), vec3(-inf, inf, nan), vec3(1e-38f, 0, 0)}) {
+    for (const vec3 d :
+         {vec3(0), vec3(nan, 0, 1), vec3(inf, 0, 0), vec3(-inf, inf, nan), vec3(1e-38f, 0, 0)}) {
       const ImpostorViews v = rules::impostorViews(d, n);
       EXPECT_EQ(v.weight.x, 1);
       EXPECT_EQ(v.axis0.z, 1);
       for (const vec3 axis : {v.axis0, v.axis1, v.axis2}) EXPECT_TRUE(finite(axis));
     }
     for (float scale : {1e-25f, 1.0f, 1e25f})
-      EXPECT_LT(distanceOf(rules::impostorViews(vec3(0.3f, -0.5f, 0.7f) * scale, n), rules::impostorViews(vec3(0.3f, -0.5f, 0.7f), n)), 1e-5f * static_cast<float>(n));
+      EXPECT_LT(distanceOf(rules::impostorViews(vec3(0.3f, -0.5f, 0.7f) * scale, n),
+                           rules::impostorViews(vec3(0.3f, -0.5f, 0.7f), n)),
+                1e-5f * static_cast<float>(n));
   }
 }
 
@@ -204,9 +221,11 @@ TEST(ImpostorViews, ViewsAreNearerThanThoseOfSquareCells) {
 // ---- Where a ray looks ----------------------------------------------------------------------
 
 TEST(ImpostorRays, PointsLieOnTheRayAndOnTheirSurface) {
-  const rules::ImpostorProxy proxy{vec4(0.05f, -0.1f, 0.02f, 0), vec4(1.2f, 1.9f, 1.5f, 0), vec4(0.3f, -0.2f, 0.15f, 0)};
+  const rules::ImpostorProxy proxy{vec4(0.05f, -0.1f, 0.02f, 0), vec4(1.2f, 1.9f, 1.5f, 0),
+                                   vec4(0.3f, -0.2f, 0.15f, 0)};
   for (uint64_t k = 0; k < 20000; ++k) {
-    const vec3 direction = randomDirection(k), origin = randomDirection(k, 2) * (3 * randomUnit(4, k, 0, 0));
+    const vec3 direction = randomDirection(k),
+               origin = randomDirection(k, 2) * (3 * randomUnit(4, k, 0, 0));
     const rules::ImpostorRay ray = rules::impostorRay(origin, direction);
     ASSERT_NEAR(dot(ray.foot, ray.direction), 0, 1e-6f);
     const vec3 axis = randomDirection(k, 3);
@@ -221,10 +240,13 @@ TEST(ImpostorRays, PointsLieOnTheRayAndOnTheirSurface) {
     ASSERT_NEAR(glm::length(on_sphere), std::max(0.8f, glm::length(ray.foot)), 1e-5f);
     const vec3 on_proxy = rules::impostorOnProxy(ray, proxy);
     ASSERT_LT(offRay(on_proxy), 1e-5f);
-    const auto metric = [&](vec3 p) { return glm::length(rules::impostorToProxy(proxy, p - vec3(proxy.center))); };
+    const auto metric = [&](vec3 p) {
+      return glm::length(rules::impostorToProxy(proxy, p - vec3(proxy.center)));
+    };
     // The nearest point of the ray by search, and the first of the two where it enters.
     float least = 1e9f;
-    for (int i = -200; i <= 200; ++i) least = std::min(least, metric(ray.foot + ray.direction * (static_cast<float>(i) * 0.01f)));
+    for (int i = -200; i <= 200; ++i)
+      least = std::min(least, metric(ray.foot + ray.direction * (static_cast<float>(i) * 0.01f)));
     if (least < 0.98f) {
       ASSERT_NEAR(metric(on_proxy), 1, 2e-5f);
       ASSERT_GT(metric(on_proxy - ray.direction * 1e-2f), metric(on_proxy));
@@ -246,7 +268,8 @@ TEST(ImpostorRays, NothingJumpsAtTheSilhouetteOfTheEllipsoid) {
     const rules::ImpostorBasis basis = rules::impostorBasis(axis);
     vec3 before(0);
     for (int i = 0; i <= 4000; ++i) {
-      const vec3 p = rules::impostorOnProxy({basis.right * (static_cast<float>(i) * 2.5e-4f), axis * -1.0f}, proxy);
+      const vec3 p = rules::impostorOnProxy(
+          {basis.right * (static_cast<float>(i) * 2.5e-4f), axis * -1.0f}, proxy);
       // The depth falls as a square root of the distance to the silhouette.
       if (i > 0) {
         ASSERT_LT(glm::length(p - before), 0.06f);
@@ -263,9 +286,11 @@ TEST(ImpostorRays, AnEyeInTheAxisSeesTheImageAsItIs) {
     const vec3 axis = rules::impostorViewDirection(static_cast<uint32_t>(layer), 5);
     const rules::ImpostorBasis basis = rules::impostorBasis(axis);
     const vec2 at(0.31f, -0.62f);
-    const rules::ImpostorRay ray = rules::impostorRay(basis.right * at.x + basis.up * at.y + axis * 5.0f, axis * -1.0f);
+    const rules::ImpostorRay ray =
+        rules::impostorRay(basis.right * at.x + basis.up * at.y + axis * 5.0f, axis * -1.0f);
     const vec3 points[] = {rules::impostorOnPlane(ray, axis), rules::impostorOnSphere(ray, 0.9f),
-                           rules::impostorMixed(ray, axis, 0.9f), rules::impostorStep(ray, ray.foot, axis, 0.2f)};
+                           rules::impostorMixed(ray, axis, 0.9f),
+                           rules::impostorStep(ray, ray.foot, axis, 0.2f)};
     for (const vec3& p : points) {
       const vec2 uv = rules::impostorUv(p, axis, extent);
       EXPECT_NEAR(uv.x, 0.5f + 0.5f * at.x / extent, 2e-6f);
@@ -286,8 +311,8 @@ TEST(ImpostorLevel, IsTheSharpestThatIsNotMuchFinerThanThePicture) {
 
 // ---- Lost spread of normals -----------------------------------------------------------------
 
-// Reflection of a lamp by a patch of bumps, mean over the lamp's directions of |filtered - true| / peak,
-// where true is the mean over the patch's normals and filtered one normal with one roughness.
+// Reflection of a lamp by a patch of bumps, mean over the lamp's directions of |filtered - true| /
+// peak, where true is the mean over the patch's normals and filtered one normal with one roughness.
 double filterError(float spread, float alpha2, bool widened) {
   constexpr int kNormals = 4000;
   std::vector<vec3> normals;
@@ -304,7 +329,10 @@ double filterError(float spread, float alpha2, bool widened) {
   const auto lobe = [](vec3 n, vec3 l, float alpha) {
     const vec3 v(0, 0, 1), h = glm::normalize(v + l);
     const float n_l = dot(n, l);
-    return n_l > 0 ? rules::ggxDistributionVisibility(std::min(std::max(dot(n, h), 0.0f), 1.0f), std::max(n.z, 1e-3f), n_l, alpha) * n_l : 0;
+    return n_l > 0 ? rules::ggxDistributionVisibility(std::min(std::max(dot(n, h), 0.0f), 1.0f),
+                                                      std::max(n.z, 1e-3f), n_l, alpha) *
+                         n_l
+                   : 0;
   };
   double error = 0, peak = 0;
   for (int i = 0; i <= 40; ++i) {
@@ -322,7 +350,8 @@ TEST(ImpostorSpread, WidenedLobesAreNearerToTheMeanOfTheBumpsThanLobesAsTheyWere
   for (float spread : {0.05f, 0.1f, 0.2f, 0.3f}) {
     for (float roughness : {0.2f, 0.35f, 0.5f}) {
       const float alpha2 = roughness * roughness * roughness * roughness;
-      const double kept = filterError(spread, alpha2, false), widened = filterError(spread, alpha2, true);
+      const double kept = filterError(spread, alpha2, false),
+                   widened = filterError(spread, alpha2, true);
       // Where the bumps are finer than the lobe, both are near.
       EXPECT_LT(widened, std::max(0.5 * kept, 0.02)) << spread << " " << roughness;
     }
@@ -335,7 +364,8 @@ TEST(ImpostorSpread, InvertsTheMeanLengthOfGaussianSlopes) {
     const double x = 1 / std::sqrt(a);
     double fraction = x;
     for (int k = 200; k > 0; --k) fraction = x + 0.5 * k / fraction;
-    const double length = std::sqrt(std::numbers::pi) * x / (fraction * std::sqrt(std::numbers::pi));
+    const double length =
+        std::sqrt(std::numbers::pi) * x / (fraction * std::sqrt(std::numbers::pi));
     EXPECT_NEAR(rules::impostorSpread(0, static_cast<float>(length)), a, 0.035 * a) << a;
   }
 }

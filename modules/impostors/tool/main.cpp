@@ -59,8 +59,9 @@ Status run(Arguments& a) {
     a.parameters.edge = choice->edge;
     a.parameters.texels = choice->texels;
     if (!choice->good)
-      scree::logWarning("no size within {:g} MiB has an error of {:g} or less at {:g} px; the best has {:.4f}",
-                        a.memory_mib, a.wish.max_flip, a.wish.diameter_px, choice->flip);
+      scree::logWarning(
+          "no size within {:g} MiB has an error of {:g} or less at {:g} px; the best has {:.4f}",
+          a.memory_mib, a.wish.max_flip, a.wish.diameter_px, choice->flip);
   }
   Result<scree::ImpostorAtlas> atlas = scree::bake(*grain, a.parameters, show);
   if (!atlas.ok()) return atlas.takeError();
@@ -78,31 +79,64 @@ Status run(Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App cli{"scree_bake: computes ahead of time what a scene would have to compute while it loads."};
+  CLI::App cli{
+      "scree_bake: computes ahead of time what a scene would have to compute while it loads."};
   cli.set_version_flag("--version", SCREE_VERSION);
   cli.require_subcommand(1);
   Arguments a;
-  CLI::App* impostor = cli.add_subcommand(
-      "impostor", "Bakes a mesh into an atlas of views, and measures what drawing that instead costs in accuracy.");
-  impostor->add_option("mesh", a.mesh, "glTF file; all its meshes together are one grain")->required()->type_name("MESH.glb");
-  impostor->add_option("--out", a.out, "Atlas to write (default: the mesh's name with .impostor)")->type_name("FILE");
-  impostor->add_option("--picture", a.picture, "Contact sheet of the views to write")->type_name("FILE.png");
-  impostor->add_option("--views", a.parameters.edge,
-      fmt::format("Vertices along an edge of the view octahedron, n: 4 (n - 1)^2 + 2 views (default {}; {} to {})",
-                  a.parameters.edge, scree::rules::kImpostorMinEdge, scree::kImpostorMaxBakedEdge))->type_name("N");
-  impostor->add_option("--texels", a.parameters.texels,
-      fmt::format("Texels along a view's side: 16, 32, 64, 128 or 256 (default {})", a.parameters.texels))->type_name("P");
-  impostor->add_option("--supersample", a.parameters.supersample,
-      fmt::format("Samples along a texel's side (default {}; 1 to 8)", a.parameters.supersample))->type_name("N");
-  impostor->add_option("--directions", a.parameters.directions,
-      fmt::format("Random directions to measure from (default {}; 0: none)", a.parameters.directions))->type_name("N");
-  CLI::Option* error = impostor->add_option("--error", a.wish.max_flip,
-      "Choose --views and --texels: the smallest atlas with at most this mean FLIP")->type_name("E");
-  impostor->add_option("--size", a.wish.diameter_px,
-      fmt::format("With --error: the largest diameter drawn, pixels (default {:g})", a.wish.diameter_px))->type_name("PX")->needs(error);
-  impostor->add_option("--memory", a.memory_mib,
-      fmt::format("With --error: at most so much, MiB (default {:g})", a.memory_mib))->type_name("MIB")->needs(error)->check(CLI::Range(0.0, 768.0));
-  impostor->add_option("--threads", a.threads, "Threads (default 0: one a core)")->type_name("N")->check(CLI::Range(0, 256));
+  CLI::App* impostor = cli.add_subcommand("impostor",
+                                          "Bakes a mesh into an atlas of views, and measures what "
+                                          "drawing that instead costs in accuracy.");
+  impostor->add_option("mesh", a.mesh, "glTF file; all its meshes together are one grain")
+      ->required()
+      ->type_name("MESH.glb");
+  impostor->add_option("--out", a.out, "Atlas to write (default: the mesh's name with .impostor)")
+      ->type_name("FILE");
+  impostor->add_option("--picture", a.picture, "Contact sheet of the views to write")
+      ->type_name("FILE.png");
+  impostor
+      ->add_option("--views", a.parameters.edge,
+                   fmt::format("Vertices along an edge of the view octahedron, n: 4 (n - 1)^2 + 2 "
+                               "views (default {}; {} to {})",
+                               a.parameters.edge, scree::rules::kImpostorMinEdge,
+                               scree::kImpostorMaxBakedEdge))
+      ->type_name("N");
+  impostor
+      ->add_option("--texels", a.parameters.texels,
+                   fmt::format("Texels along a view's side: 16, 32, 64, 128 or 256 (default {})",
+                               a.parameters.texels))
+      ->type_name("P");
+  impostor
+      ->add_option("--supersample", a.parameters.supersample,
+                   fmt::format("Samples along a texel's side (default {}; 1 to 8)",
+                               a.parameters.supersample))
+      ->type_name("N");
+  impostor
+      ->add_option("--directions", a.parameters.directions,
+                   fmt::format("Random directions to measure from (default {}; 0: none)",
+                               a.parameters.directions))
+      ->type_name("N");
+  CLI::Option* error =
+      impostor
+          ->add_option(
+              "--error", a.wish.max_flip,
+              "Choose --views and --texels: the smallest atlas with at most this mean FLIP")
+          ->type_name("E");
+  impostor
+      ->add_option("--size", a.wish.diameter_px,
+                   fmt::format("With --error: the largest diameter drawn, pixels (default {:g})",
+                               a.wish.diameter_px))
+      ->type_name("PX")
+      ->needs(error);
+  impostor
+      ->add_option("--memory", a.memory_mib,
+                   fmt::format("With --error: at most so much, MiB (default {:g})", a.memory_mib))
+      ->type_name("MIB")
+      ->needs(error)
+      ->check(CLI::Range(0.0, 768.0));
+  impostor->add_option("--threads", a.threads, "Threads (default 0: one a core)")
+      ->type_name("N")
+      ->check(CLI::Range(0, 256));
   try {
     cli.parse(argc, argv);
   } catch (const CLI::Success& success) {

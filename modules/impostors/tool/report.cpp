@@ -21,20 +21,23 @@ void ProgressBar::show(double done) {
   if (!terminal_ || percent == shown_) return;
   shown_ = percent;
   const auto filled = static_cast<size_t>(percent * kWidth / 100);
-  fmt::print(stderr, "\r[{}{}] {:3d} %", std::string(filled, '#'), std::string(kWidth - filled, '.'), percent);
+  fmt::print(stderr, "\r[{}{}] {:3d} %", std::string(filled, '#'),
+             std::string(kWidth - filled, '.'), percent);
   std::fflush(stderr);
 }
 
 void printAtlas(const ImpostorAtlas& a, double seconds) {
-  fmt::print("{} views (n = {}) of {} x {} texels, {} levels, {:.2f} MiB, in {:.1f} s\n", a.views(), a.edge, a.texels,
-             a.texels, a.levels(), static_cast<double>(a.bytes()) / (1 << 20), seconds);
-  fmt::print("outer radius R {:.5g} around ({:.4g}, {:.4g}, {:.4g}), inner r/R {:.3f}\n", a.outer, a.center.x, a.center.y,
-             a.center.z, a.inner);
+  fmt::print("{} views (n = {}) of {} x {} texels, {} levels, {:.2f} MiB, in {:.1f} s\n", a.views(),
+             a.edge, a.texels, a.texels, a.levels(), static_cast<double>(a.bytes()) / (1 << 20),
+             seconds);
+  fmt::print("outer radius R {:.5g} around ({:.4g}, {:.4g}, {:.4g}), inner r/R {:.3f}\n", a.outer,
+             a.center.x, a.center.y, a.center.z, a.inner);
 }
 
 void printErrors(const ImpostorErrors& errors) {
   if (errors.directions == 0) return;
-  const auto table = [&](const char* title, int digits, size_t schemes, float ImpostorError::* member) {
+  const auto table = [&](const char* title, int digits, size_t schemes,
+                         float ImpostorError::*member) {
     fmt::print("\n{:<24}", title);
     for (float size : kImpostorSizesPx) fmt::print("{:>8.0f}", size);
     fmt::print("\n");
