@@ -172,7 +172,7 @@ TEST_F(OcclusionStress, MostOfAHeapsHiddenGrainsAreCulled) {
   for (const Seen& seen : {Seen{"farther", {0, 2.6, -5.3}, {0, 0.2, 0}, 1.1}, Seen{"far", {0, 1.1, -2.2}, {0, 0.2, 0}, 2.7},
                            Seen{"near", {0, 0.6, -0.95}, {0, 0.25, 0}, 5.9},
                            Seen{"grazing", {0, 0.12, -1.05}, {0, 0.15, 0}, 6.3}})
-    for (const double cell : {0.35, 1.0}) {
+    for (const double cell : {0.35, 0.7, 1.0}) {
       std::vector<vec4> all = grains;
       discs.look(seen.eye, seen.at - seen.eye, 0.785398f, 0.01f);
       discs.setSpheres(all, 1);
@@ -205,9 +205,8 @@ TEST_F(OcclusionStress, MostOfAHeapsHiddenGrainsAreCulled) {
                   seen.name, cell, in_view, shown, first, rest_hidden, 100.0 * (double)culled / (double)rest_hidden,
                   100.0 * (double)culled / (double)hidden);
       EXPECT_GT((double)culled, 0.95 * (double)rest_hidden) << seen.name;
-      if (cell == 1.0) {
-        EXPECT_GT((double)culled, 0.85 * (double)hidden) << seen.name;
-      }
+      // Small cells win many hidden grains, which are then drawn in vain.
+      EXPECT_GT((double)culled, (cell > 0.9 ? 0.85 : cell > 0.5 ? 0.75 : 0.4) * (double)hidden) << seen.name;
     }
 }
 

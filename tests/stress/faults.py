@@ -93,6 +93,13 @@ SHADER = [
      "degenerate shadow discs"),
     ("shaders/grains/shadow.frag", "> 1.0) discard;", "> 4.0) discard;", "triangular shadows"),
     ("shaders/grains/shadow.vert", "grains[gl_VertexID / 3]", "grains[gl_VertexID / 3 + 1]", "shadow of the next grain"),
+    # Occlusion
+    ("shaders/lib/occlusion.glsl", "ivec2(f.last.x, f.first.y), f.level", "f.first, f.level", "a texel of the four missing"),
+    ("shaders/lib/occlusion.glsl", "min(far_low, far_high)", "max(far_low, far_high)", "nearest instead of farthest depth"),
+    ("shaders/lib/occlusion.glsl", "kReachTouched, false", "kReachTouched, true", "the disc's depth for what lies before it"),
+    ("shaders/occlusion/pyramid.comp", "vec2(p + 1) / vec2(size)", "vec2(p) / vec2(size)", "gathered a texel off"),
+    ("shaders/occlusion/pyramid.comp", "p = min(p, size - 1);", "", "texels beyond the edge count"),
+    ("shaders/occlusion/pyramid.comp", "least_2 = min(least_2, least_1)", "least_2 = least_1", "one child in four"),
     # Overlay
     ("shaders/overlay/overlay.vert", "-ndc.y", "ndc.y", "text upside down"),
     ("shaders/overlay/overlay.frag", "color.a * texture(font, uv).r", "color.a", "boxes instead of letters"),
@@ -117,6 +124,13 @@ CODE = [
      "normal of the far side"),
     ("shaders/shared/gbuffer.h", "if (!(p.z >= near_m)) {", "if (false) {", "motion of points behind the camera"),
     ("shaders/shared/jitter.h", "index * 2447445414u", "index * 3242174889u", "samples on a diagonal"),
+    ("shaders/shared/occlusion.h", "if (max(left.x, left.y) > 1) ++f.level;", "", "footprint of three texels cut to two"),
+    ("shaders/shared/occlusion.h", "nearest = w * share - half_depth - error", "nearest = w * share - error",
+     "slant of the disc forgotten"),
+    ("shaders/shared/occlusion.h", "float error = v.center_error * distance + kRadiusError * radius;", "float error = 0.0f;",
+     "no margin for rounding"),
+    ("shaders/shared/occlusion.h", "if (!(d1 - r1 >= tangent + kError * d1)) return false;", "",
+     "what is in front counts as hidden"),
     # Scene
     ("modules/scene/view.cpp", "jitter[3][0] = -2.0", "jitter[3][0] = 2.0", "jitter with the wrong sign"),
     ("modules/scene/view.cpp", "scale / aspect", "scale * aspect", "aspect inverted"),
@@ -142,6 +156,11 @@ CODE = [
     # Frame and GPU
     ("engine/frame/frame_run.cpp", "gpu::barrier(needed);", "", "missing barrier"),
     ("engine/frame/frame_run.cpp", "if (output == size) return;", "if (size.x > 0) return;", "targets keep the old size"),
+    # Occlusion
+    ("modules/occlusion/occlusion.cpp", "if (!context.frame.hasContent(kOcclusionPyramid)) pyramid.clear(context.input.size);", "",
+     "a stale pyramid hides what shows"),
+    ("modules/occlusion/pyramid.cpp", "if (texture_ && texture_.size() == side) return;", "if (texture_) return;",
+     "the pyramid keeps the old size"),
     # Grains
     ("modules/grains/upload.cpp", "record.id = entity.index + 1;", "record.id = entity.index;", "ids off by one"),
     ("modules/grains/upload.cpp", "vec4(vec3(origin - view.previous_position), 0)", "vec4(vec3(origin - view.position), 0)",
