@@ -16,7 +16,7 @@
 
 namespace scree::grains {
 
-// Contacts a batch: the lanes of the widest instruction set.
+// Contacts a batch, whatever the instruction set: a step of the pair passes takes one, or two.
 inline constexpr uint32_t kBatch = kMostLanes;
 // Idle bodies a slab: the unused lanes of a batch write to them.
 inline constexpr uint32_t kIdleBodies = 2 * kBatch;
@@ -62,8 +62,9 @@ struct CohesionBatch {
 
 // The arrays are parts of those of PairLists.
 struct PairSlab {
-  // Batches: contacts whose grain pairs are disjoint within each.
+  // Batches: contacts whose grain pairs are disjoint within each, and within each colour.
   uint32_t count = 0;  // contacts with the unused lanes, a multiple of kBatch
+  std::vector<uint32_t> colour_end;  // contacts up to each colour's last; its unused lanes come behind
   std::vector<uint32_t> border;  // contacts of which one grain sleeps
   std::span<uint32_t> i, j;
   std::span<ImpulseBatch> impulse;
@@ -104,7 +105,6 @@ struct PairSlab {
   // Working memory of the build.
   uint64_t found_begin = 0, colour_begin = 0;
   uint32_t found_count = 0, found_below = 0;  // pairs; of them with grains of the slab below
-  std::vector<uint32_t> colour_count;
 };
 
 // A contact that takes its impulses along into the next lists, by their slots.

@@ -35,7 +35,13 @@ struct Kernels {
                    uint32_t range_count, uint32_t* hits);
 };
 extern const Kernels kBaselineKernels;
-// Null where this processor or compiler has no wider set.
-const Kernels* wideKernels();
+// Null where this processor or compiler lacks the set.
+const Kernels* avx2Kernels();
+const Kernels* avx512Kernels();
+
+// An instruction set; the results are the same to the bit.
+enum class Lanes : uint32_t { Widest, Baseline, Avx2, Avx512 };
+// Null where it is lacking.
+const Kernels* kernelsOf(Lanes lanes);
 
 }  // namespace scree::grains

@@ -13,7 +13,7 @@
 #endif
 #define SCREE_LANES avx2
 #define SCREE_LANES_AVX2
-#include "modules/grains/lanes8.h"
+#include "modules/grains/lanes.h"
 #include "modules/grains/pair_kernel.h"
 #include "modules/grains/scan_kernel.h"
 #if defined(__clang__)
@@ -24,16 +24,16 @@
 
 namespace scree::grains {
 
-const Kernels* wideKernels() {
-  static constexpr Kernels kWide{avx2::applyKept, avx2::relax, avx2::scan};
-  return __builtin_cpu_supports("avx2") ? &kWide : nullptr;
+const Kernels* avx2Kernels() {
+  static constexpr Kernels kThese{avx2::applyKept, avx2::relax, avx2::scan};
+  return __builtin_cpu_supports("avx2") ? &kThese : nullptr;
 }
 
 }  // namespace scree::grains
 #else
 namespace scree::grains {
 
-const Kernels* wideKernels() { return nullptr; }
+const Kernels* avx2Kernels() { return nullptr; }
 
 }  // namespace scree::grains
 #endif

@@ -4,7 +4,7 @@
 #include "engine/core/hash.h"
 
 #define SCREE_LANES baseline
-#include "modules/grains/lanes8.h"
+#include "modules/grains/lanes.h"
 #include "modules/grains/pair_kernel.h"
 #include "modules/grains/scan_kernel.h"
 
@@ -21,5 +21,17 @@ vec3 anyDirection(Entity a, Entity b) {
 }
 
 const Kernels kBaselineKernels{baseline::applyKept, baseline::relax, baseline::scan};
+
+const Kernels* kernelsOf(Lanes lanes) {
+  switch (lanes) {
+    case Lanes::Baseline: return &kBaselineKernels;
+    case Lanes::Avx2: return avx2Kernels();
+    case Lanes::Avx512: return avx512Kernels();
+    case Lanes::Widest: break;
+  }
+  for (const Lanes wide : {Lanes::Avx512, Lanes::Avx2})
+    if (const Kernels* kernels = kernelsOf(wide); kernels != nullptr) return kernels;
+  return &kBaselineKernels;
+}
 
 }  // namespace scree::grains

@@ -1,19 +1,30 @@
-// Eight floats in lock step, for the instruction set whose namespace SCREE_LANES names: AVX2, or
-// two fours. Included several times, once for each instruction set.
-// Only operations that IEEE 754 rounds exactly, and no fused ones: all sets give the same bits.
-// A mask is tested over all eight lanes, so that a branch falls the same way in each set.
+// Eight floats in lock step: AVX2, AVX-512, or two fours. Included by lanes.h.
 
 namespace scree::simd::SCREE_LANES {
 
-#if defined(SCREE_LANES_AVX2)
+#if defined(SCREE_LANES_AVX2) || defined(SCREE_LANES_AVX512)
+
+#if defined(SCREE_LANES_AVX512)
+struct Mask8 {
+  __mmask8 v;
+};
+#endif
 
 struct Float8 {
   __m256 v;
+#if defined(SCREE_LANES_AVX512)
+  using Mask = Mask8;
+#else
+  using Mask = Float8;
+#endif
+  static constexpr uint32_t kLanes = 8;
 };
 
-inline Float8 splat(float a) { return {_mm256_set1_ps(a)}; }
-inline Float8 load(const float* p) { return {_mm256_loadu_ps(p)}; }
-inline void store(float* p, Float8 a) { _mm256_storeu_ps(p, a.v); }
+template <>
+inline Float8 splat<Float8>(float a) { return {_mm256_set1_ps(a)}; }
+template <>
+inline Float8 load<Float8>(const float* p, size_t) { return {_mm256_loadu_ps(p)}; }
+inline void store(float* p, size_t, Float8 a) { _mm256_storeu_ps(p, a.v); }
 inline Float8 operator+(Float8 a, Float8 b) { return {_mm256_add_ps(a.v, b.v)}; }
 inline Float8 operator-(Float8 a, Float8 b) { return {_mm256_sub_ps(a.v, b.v)}; }
 inline Float8 operator*(Float8 a, Float8 b) { return {_mm256_mul_ps(a.v, b.v)}; }
@@ -22,6 +33,22 @@ inline Float8 sqrt(Float8 a) { return {_mm256_sqrt_ps(a.v)}; }
 // The second operand if either is NaN.
 inline Float8 min(Float8 a, Float8 b) { return {_mm256_min_ps(a.v, b.v)}; }
 inline Float8 max(Float8 a, Float8 b) { return {_mm256_max_ps(a.v, b.v)}; }
+#if defined(SCREE_LANES_AVX512)
+inline Mask8 less(Float8 a, Float8 b) { return {_mm256_cmp_ps_mask(a.v, b.v, _CMP_LT_OS)}; }
+inline Mask8 lessEqual(Float8 a, Float8 b) { return {_mm256_cmp_ps_mask(a.v, b.v, _CMP_LE_OS)}; }
+inline Mask8 notEqual(Float8 a, Float8 b) { return {_mm256_cmp_ps_mask(a.v, b.v, _CMP_NEQ_UQ)}; }
+inline Mask8 operator&(Mask8 a, Mask8 b) { return {static_cast<__mmask8>(a.v & b.v)}; }
+inline Mask8 operator|(Mask8 a, Mask8 b) { return {static_cast<__mmask8>(a.v | b.v)}; }
+inline Mask8 andNot(Mask8 mask, Mask8 b) { return {static_cast<__mmask8>(~mask.v & b.v)}; }
+inline Float8 operator&(Mask8 mask, Float8 b) { return {_mm256_maskz_mov_ps(mask.v, b.v)}; }
+inline Float8 andNot(Mask8 mask, Float8 b) {
+  return {_mm256_maskz_mov_ps(static_cast<__mmask8>(~mask.v), b.v)};
+}
+inline Float8 select(Mask8 mask, Float8 a, Float8 b) { return {_mm256_mask_mov_ps(b.v, mask.v, a.v)}; }
+inline unsigned bits(Mask8 mask) { return mask.v; }
+template <>
+inline Mask8 maskOf<Float8>(unsigned lanes) { return {static_cast<__mmask8>(lanes)}; }
+#else
 // Masks: all bits of a lane set or clear.
 inline Float8 less(Float8 a, Float8 b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LT_OS)}; }
 inline Float8 lessEqual(Float8 a, Float8 b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LE_OS)}; }
@@ -33,12 +60,19 @@ inline Float8 andNot(Float8 mask, Float8 b) { return {_mm256_andnot_ps(mask.v, b
 inline Float8 select(Float8 mask, Float8 a, Float8 b) { return {_mm256_blendv_ps(b.v, a.v, mask.v)}; }
 // One bit a lane.
 inline unsigned bits(Float8 mask) { return static_cast<unsigned>(_mm256_movemask_ps(mask.v)); }
+template <>
+inline Float8 maskOf<Float8>(unsigned lanes) {
+  alignas(32) uint32_t lane[8];
+  for (unsigned k = 0; k < 8; ++k) lane[k] = 0u - (lanes >> k & 1u);
+  return {_mm256_load_ps(reinterpret_cast<const float*>(lane))};
+}
+#endif
 
 // The first four floats of eight rows that lie `offset` floats into the items at base[slot[k]],
 // each item `stride` floats long: columns x, y, z, w.
-inline void gather(const float* base, size_t stride, const uint32_t* slot, Float8& x, Float8& y,
+SCREE_INLINE inline void gather(const float* base, size_t stride, const uint32_t* slot, Float8& x, Float8& y,
                    Float8& z, Float8& w) {
-  const auto rows = [&](int k) {
+  const auto rows = [&](int k) SCREE_INLINE {
     return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + stride * slot[k])),
                                 _mm_load_ps(base + stride * slot[k + 4]), 1);
   };
@@ -50,11 +84,11 @@ inline void gather(const float* base, size_t stride, const uint32_t* slot, Float
   z.v = _mm256_shuffle_ps(ab_high, cd_high, 0x44);
   w.v = _mm256_shuffle_ps(ab_high, cd_high, 0xee);
 }
-inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, Float8 y, Float8 z,
+SCREE_INLINE inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, Float8 y, Float8 z,
                     Float8 w) {
   const __m256 xy_low = _mm256_unpacklo_ps(x.v, y.v), xy_high = _mm256_unpackhi_ps(x.v, y.v);
   const __m256 zw_low = _mm256_unpacklo_ps(z.v, w.v), zw_high = _mm256_unpackhi_ps(z.v, w.v);
-  const auto put = [&](int k, __m256 rows) {
+  const auto put = [&](int k, __m256 rows) SCREE_INLINE {
     _mm_store_ps(base + stride * slot[k], _mm256_castps256_ps128(rows));
     _mm_store_ps(base + stride * slot[k + 4], _mm256_extractf128_ps(rows, 1));
   };
@@ -64,6 +98,7 @@ inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, 
   put(3, _mm256_shuffle_ps(xy_high, zw_high, 0xee));
 }
 
+#if !defined(SCREE_LANES_AVX512)
 // By eight bits: which they are, in order.
 inline constexpr auto kLanesOf = [] {
   std::array<std::array<uint8_t, 8>, 256> lanes{};
@@ -72,16 +107,22 @@ inline constexpr auto kLanesOf = [] {
       if ((set >> lane & 1) != 0) lanes[set][n++] = static_cast<uint8_t>(lane);
   return lanes;
 }();
+#endif
 // Writes first + k for the lanes k of `within`, in order, with the top bit where the mask is set;
 // returns how many they are, and writes eight.
-inline uint32_t pack(uint32_t first, Float8 mask, unsigned within, uint32_t* out) {
+inline uint32_t pack(uint32_t first, Float8::Mask mask, unsigned within, uint32_t* out) {
   const __m256i index = _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(first)),
                                          _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+#if defined(SCREE_LANES_AVX512)
+  const __m256i named = _mm256_mask_or_epi32(index, mask.v, index, _mm256_set1_epi32(INT32_MIN));
+  const __m256i packed = _mm256_maskz_compress_epi32(static_cast<__mmask8>(within), named);
+#else
   const __m256i top = _mm256_slli_epi32(_mm256_castps_si256(mask.v), 31);
   const __m256i lanes = _mm256_cvtepu8_epi32(
       _mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLanesOf[within].data())));
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out),
-                      _mm256_permutevar8x32_epi32(_mm256_or_si256(index, top), lanes));
+  const __m256i packed = _mm256_permutevar8x32_epi32(_mm256_or_si256(index, top), lanes);
+#endif
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), packed);
   return static_cast<uint32_t>(std::popcount(within));
 }
 
@@ -89,11 +130,15 @@ inline uint32_t pack(uint32_t first, Float8 mask, unsigned within, uint32_t* out
 
 struct Float8 {
   Float4 a, b;
+  using Mask = Float8;
+  static constexpr uint32_t kLanes = 8;
 };
 
-inline Float8 splat(float a) { return {simd::splat(a), simd::splat(a)}; }
-inline Float8 load(const float* p) { return {simd::load(p), simd::load(p + 4)}; }
-inline void store(float* p, Float8 f) {
+template <>
+inline Float8 splat<Float8>(float a) { return {simd::splat(a), simd::splat(a)}; }
+template <>
+inline Float8 load<Float8>(const float* p, size_t) { return {simd::load(p), simd::load(p + 4)}; }
+inline void store(float* p, size_t, Float8 f) {
   simd::store(p, f.a);
   simd::store(p + 4, f.b);
 }
@@ -123,17 +168,17 @@ inline unsigned bits(Float8 mask) {
   return static_cast<unsigned>(simd::bits(mask.a) | simd::bits(mask.b) << 4);
 }
 
-inline void gather(const float* base, size_t stride, const uint32_t* slot, Float8& x, Float8& y,
+SCREE_INLINE inline void gather(const float* base, size_t stride, const uint32_t* slot, Float8& x, Float8& y,
                    Float8& z, Float8& w) {
-  const auto row = [&](int k) { return simd::load(base + stride * slot[k]); };
+  const auto row = [&](int k) SCREE_INLINE { return simd::load(base + stride * slot[k]); };
   x.a = row(0), y.a = row(1), z.a = row(2), w.a = row(3);
   simd::transpose(x.a, y.a, z.a, w.a);
   x.b = row(4), y.b = row(5), z.b = row(6), w.b = row(7);
   simd::transpose(x.b, y.b, z.b, w.b);
 }
-inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, Float8 y, Float8 z,
+SCREE_INLINE inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, Float8 y, Float8 z,
                     Float8 w) {
-  const auto put = [&](int k, Float4 row) { simd::store(base + stride * slot[k], row); };
+  const auto put = [&](int k, Float4 row) SCREE_INLINE { simd::store(base + stride * slot[k], row); };
   simd::transpose(x.a, y.a, z.a, w.a);
   put(0, x.a), put(1, y.a), put(2, z.a), put(3, w.a);
   simd::transpose(x.b, y.b, z.b, w.b);
@@ -149,34 +194,18 @@ inline uint32_t pack(uint32_t first, Float8 mask, unsigned within, uint32_t* out
   }
   return count;
 }
+template <>
+inline Float8 maskOf<Float8>(unsigned lanes) {
+  uint32_t lane[8];
+  for (unsigned k = 0; k < 8; ++k) lane[k] = 0u - (lanes >> k & 1u);
+  return load<Float8>(reinterpret_cast<const float*>(lane));
+}
 
 #endif
 
-inline bool any(Float8 mask) { return bits(mask) != 0; }
-// The mask whose bits() are these.
-inline Float8 maskOf(unsigned lanes) {
-  alignas(32) uint32_t lane[8];
-  for (unsigned k = 0; k < 8; ++k) lane[k] = 0u - (lanes >> k & 1u);
-  return load(reinterpret_cast<const float*>(lane));
-}
-
-// Three components of eight lanes.
-struct Vec3x8 {
-  Float8 x, y, z;
-};
-inline Vec3x8 operator+(Vec3x8 a, Vec3x8 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec3x8 operator-(Vec3x8 a, Vec3x8 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec3x8 operator*(Float8 s, Vec3x8 a) { return {s * a.x, s * a.y, s * a.z}; }
-inline Vec3x8 operator&(Float8 mask, Vec3x8 a) { return {mask & a.x, mask & a.y, mask & a.z}; }
-inline Float8 dot(Vec3x8 a, Vec3x8 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline Vec3x8 cross(Vec3x8 a, Vec3x8 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline Vec3x8 load3(const float (*p)[8]) { return {load(p[0]), load(p[1]), load(p[2])}; }
-inline void store3(float (*p)[8], Vec3x8 a) {
-  store(p[0], a.x);
-  store(p[1], a.y);
-  store(p[2], a.z);
-}
+// Of each batch in the lanes: all of it if the mask has a lane of it. One batch: never asked without.
+inline Float8::Mask wholeBatches(Float8::Mask mask) { return mask; }
+// `now` in batches that are `active`, and `before` in others. One batch: it is.
+inline Float8 inBatches(Float8::Mask, Float8 now, Float8) { return now; }
 
 }  // namespace scree::simd::SCREE_LANES

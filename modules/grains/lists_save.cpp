@@ -91,10 +91,12 @@ std::string PairLists::restore(ByteReader& in, std::span<const uint32_t> slab_be
     layOutImpulses(Contents::Keep);
     clearLanes(own);
     fillIdle(s);
+    own.colour_end.clear();
     for (uint32_t b = 0; b < batches; ++b) {
       ++batch;
       const auto used = in.number<uint8_t>();
       if (used == 0 || used > kBatch) return fmt::format("a batch of {} contacts; 1 to 8 are allowed", used);
+      bool goes_on = b > 0;  // the colour: no grain is in the batch before
       for (uint32_t lane = 0; lane < used; ++lane) {
         const uint32_t c = b * kBatch + lane;
         const auto i = in.number<uint32_t>(), j = in.number<uint32_t>();
@@ -105,6 +107,7 @@ std::string PairLists::restore(ByteReader& in, std::span<const uint32_t> slab_be
           if (!here || met[slot] == batch)
             return fmt::format("slab {}, contact {}: bodies {} and {} of {} are not there, or there twice",
                                s, c, i, j, listed_);
+          goes_on = goes_on && met[slot] != batch - 1;
           met[slot] = batch;
         }
         if (in_force && !isAwake(bodies, i) && !isAwake(bodies, j))
@@ -114,6 +117,8 @@ std::string PairLists::restore(ByteReader& in, std::span<const uint32_t> slab_be
         mixMaterials(own, c, bodies);
         ++pair_count;
       }
+      if (!goes_on) own.colour_end.push_back(0);
+      own.colour_end.back() = (b + 1) * kBatch;
       const auto filled = static_cast<uint8_t>((1u << used) - 1);
       own.trust[b] = in.number<uint8_t>() & filled;
       if (!readLanes(in, filled, own.impulse[b].impulse) ||

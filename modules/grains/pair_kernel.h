@@ -1,5 +1,5 @@
-// The pair passes: impulses between neighbouring grains, eight pairs at a time.
-// Included several times, once for each instruction set: see lanes8.h.
+// The pair passes: impulses between neighbouring grains, eight or sixteen pairs at a time.
+// Included several times, once for each instruction set: see lanes.h.
 //
 // Impulse P of a contact acts on grain i along the normal n (from j to i) and across it; both arms
 // end in one point of the line of centres, so that linear and angular momentum are conserved. A
@@ -9,27 +9,37 @@ namespace scree::grains::SCREE_LANES {
 
 using namespace simd::SCREE_LANES;
 
-// Three components of one part of eight bodies, and that part's fourth float.
+// Three components of one part of the bodies, and that part's fourth float.
+template <class Floats>
 struct Part {
-  Vec3x8 v;
-  Float8 w;
+  Vec3s<Floats> v;
+  Floats w;
 };
 
-inline Part read(const Body* body, const uint32_t* slot, size_t offset) {
-  Part part;
+template <class Floats>
+SCREE_INLINE inline Part<Floats> read(const Body* body, const uint32_t* slot, size_t offset) {
+  Part<Floats> part;
   gather(reinterpret_cast<const float*>(body) + offset, sizeof(Body) / sizeof(float), slot,
          part.v.x, part.v.y, part.v.z, part.w);
   return part;
 }
-inline void write(Body* body, const uint32_t* slot, size_t offset, const Part& part) {
+template <class Floats>
+SCREE_INLINE inline void write(Body* body, const uint32_t* slot, size_t offset, const Part<Floats>& part) {
   scatter(reinterpret_cast<float*>(body) + offset, sizeof(Body) / sizeof(float), slot, part.v.x,
           part.v.y, part.v.z, part.w);
 }
 
+// Of what a contact carries: floats from a batch to the next.
+template <class Batch>
+inline constexpr size_t kNext = sizeof(Batch) / sizeof(float);
+
+template <class Floats>
 inline void replaceCoincident(const uint32_t* i, const uint32_t* j, unsigned lanes,
-                              const Entity* entity, Vec3x8& normal) {
-  float n[3][kBatch];
-  store3(n, normal);
+                              const Entity* entity, Vec3s<Floats>& normal) {
+  float n[3][Floats::kLanes];
+  store(n[0], kBatch, normal.x);
+  store(n[1], kBatch, normal.y);
+  store(n[2], kBatch, normal.z);
   for (; lanes != 0; lanes &= lanes - 1) {
     const int k = std::countr_zero(lanes);
     const vec3 v = anyDirection(entity[i[k]], entity[j[k]]);
@@ -37,201 +47,268 @@ inline void replaceCoincident(const uint32_t* i, const uint32_t* j, unsigned lan
     n[1][k] = v.y;
     n[2][k] = v.z;
   }
-  normal = load3(n);
+  normal = {load<Floats>(n[0], kBatch), load<Floats>(n[1], kBatch), load<Floats>(n[2], kBatch)};
 }
 
 // Notes that pairs begin to bounce; `fresh` are those that overlap already.
+template <class Floats>
 inline void noteBounces(PairSlab& slab, const uint32_t* i, const uint32_t* j, unsigned fresh,
-                        Float8 restitution, Float8 gap, Vec3x8 normal) {
-  float e[kBatch], g[kBatch], n[3][kBatch];
-  store(e, restitution);
-  store(g, gap);
-  store3(n, normal);
+                        Floats restitution, Floats gap, Vec3s<Floats> normal) {
+  float e[Floats::kLanes], g[Floats::kLanes], n[3][Floats::kLanes];
+  store(e, kBatch, restitution);
+  store(g, kBatch, gap);
+  store(n[0], kBatch, normal.x);
+  store(n[1], kBatch, normal.y);
+  store(n[2], kBatch, normal.z);
   for (; fresh != 0; fresh &= fresh - 1) {
     const int k = std::countr_zero(fresh);
     slab.bounces.push_back({i[k], j[k], vec3(n[0][k], n[1][k], n[2][k]) * (-(1 + e[k]) * g[k])});
   }
 }
 
-// What contacts hold: gripOf() and heldRebound() of cohesion.h, eight at a time.
+// What contacts hold: gripOf() and heldRebound() of cohesion.h, for each lane.
+template <class Floats>
 struct Grips {
-  Float8 impulse, limit;
+  Floats impulse, limit;
 };
-inline Grips gripOf(Float8 before, Float8 speed, Float8 mass, Float8 inverse_mass, Float8 pull, Float8 left,
-                    const PassSettings& settings) {
-  const Float8 zero = splat(0), h = splat(settings.h), most = pull * h, stops = mass * speed;
-  const Float8 from = max(before, zero);
-  const Float8 slowing = pull * inverse_mass - splat(settings.inverse_h) * (speed - from);
-  const Float8 square = from * from - (slowing + slowing) * left;
-  const Float8 sum = from + sqrt(max(square, zero));
-  const Float8 leaves = lessEqual(zero, square) & less(left + left, h * sum);
-  const Float8 torn = (pull + pull) * left / sum;
+template <class Floats>
+inline Grips<Floats> gripOf(Floats before, Floats speed, Floats mass, Floats inverse_mass, Floats pull,
+                            Floats left, const PassSettings& settings) {
+  const Floats zero = splat<Floats>(0), h = splat<Floats>(settings.h), most = pull * h, stops = mass * speed;
+  const Floats from = max(before, zero);
+  const Floats slowing = pull * inverse_mass - splat<Floats>(settings.inverse_h) * (speed - from);
+  const Floats square = from * from - (slowing + slowing) * left;
+  const Floats sum = from + sqrt(max(square, zero));
+  const typename Floats::Mask leaves = lessEqual(zero, square) & less(left + left, h * sum);
+  const Floats torn = (pull + pull) * left / sum;
   return {select(leaves, torn, min(max(stops, zero), most)), select(leaves, torn, most)};
 }
-inline Float8 heldRebound(Float8 speed, Float8 slowing, Float8 reach, Float8 rest) {
-  const Float8 lost = slowing * rest, square = speed * speed;
-  const Float8 slowed = square / (lost + sqrt(lost * lost + square));
-  const Float8 left = sqrt(max(square - (slowing + slowing) * reach, splat(0)));
+template <class Floats>
+inline Floats heldRebound(Floats speed, Floats slowing, Floats reach, Floats rest) {
+  const Floats lost = slowing * rest, square = speed * speed;
+  const Floats slowed = square / (lost + sqrt(lost * lost + square));
+  const Floats left = sqrt(max(square - (slowing + slowing) * reach, splat<Floats>(0)));
   return select(lessEqual(slowed * rest, reach), slowed, left);
+}
+
+// Batch b, or with sixteen lanes also the next, which shares no grain with it. A batch of which no
+// lane acts stays as it is to the bit, whatever the other does. Returns how deep the lanes overlap.
+template <class Floats, bool kRolling, bool kBouncing, bool kCohesive>
+SCREE_INLINE inline Floats relaxStep(PairSlab& slab, uint32_t b, Body* body, const Entity* entity,
+                                     const PassSettings& settings) {
+  using Mask = typename Floats::Mask;
+  using Vec = Vec3s<Floats>;
+  const Floats zero = splat<Floats>(0), one = splat<Floats>(1), tiny = splat<Floats>(1e-37f);
+  const Floats h = splat<Floats>(settings.h), inverse_h = splat<Floats>(settings.inverse_h);
+  const Floats projection = splat<Floats>(kProjection), slop = splat<Floats>(kSlop);
+  constexpr size_t kNextImpulse = kNext<ImpulseBatch>, kNextRolling = kNext<RollingBatch>,
+                   kNextBouncing = kNext<BouncingBatch>, kNextCohesion = kNext<CohesionBatch>;
+
+  const uint32_t *i = &slab.i[size_t{kBatch} * b], *j = &slab.j[size_t{kBatch} * b];
+  float(*const carried)[kBatch] = slab.impulse[b].impulse;
+  Part<Floats> xi = read<Floats>(body, i, kPosition), xj = read<Floats>(body, j, kPosition);
+  const Vec d = xi.v - xj.v;
+  const Floats square = dot(d, d), sum = xi.w + xj.w;
+  const Vec old = load3<Floats>(carried, kNextImpulse);
+  Part<Floats> vi = read<Floats>(body, i, kVelocity), vj = read<Floats>(body, j, kVelocity);
+  const Floats distance = sqrt(square);
+  const Floats gap = distance - sum;
+  Vec normal = (one / max(distance, tiny)) * d;
+  const unsigned coincident = bits(lessEqual(square, splat<Floats>(1e-12f) * sum * sum));
+  if (coincident != 0) replaceCoincident(i, j, coincident, entity, normal);
+  const Vec u = vi.v - vj.v;
+  const Floats un = dot(u, normal), old_n = dot(old, normal);
+  const Floats mass = one / (vi.w + vj.w);
+  Mask touching = lessEqual(gap, zero);
+  const Mask kept = notEqual(old.x, zero) | notEqual(old.y, zero) | notEqual(old.z, zero);
+
+  // Separation speed that is asked for: the gap may close within the substep, no more.
+  Floats asked = zero - inverse_h * max(gap, zero);
+  if constexpr (kBouncing) {
+    const Floats approach = load<Floats>(slab.bouncing[b].approach, kNextBouncing);
+    asked = select(less(zero, approach), approach, asked);
+  }
+  Floats next_n = max(zero, old_n - mass * (un - asked));
+  [[maybe_unused]] Floats pull, reach;
+  [[maybe_unused]] Mask holds;
+  [[maybe_unused]] Grips<Floats> grip;
+  if constexpr (kCohesive) {
+    pull = load<Floats>(slab.cohesion[b].pull, kNextCohesion);
+    reach = splat<Floats>(kReach) * (xi.w * xj.w / sum);
+    const Floats left = reach - max(gap, zero), stops = mass * un - old_n;
+    holds = less(zero, pull) & less(zero, left) & (touching | kept | less(zero, stops));
+    if constexpr (kBouncing)
+      holds = andNot(less(zero, load<Floats>(slab.bouncing[b].approach, kNextBouncing)), holds);
+    const Floats before =
+        dot(read<Floats>(body, i, kBefore).v - read<Floats>(body, j, kBefore).v, normal);
+    grip = gripOf(before, (vi.w + vj.w) * stops, mass, vi.w + vj.w, pull, left, settings);
+    grip = {holds & grip.impulse, holds & grip.limit};
+    next_n = select(less(zero, next_n), next_n, zero - grip.impulse);
+    touching = touching | holds;
+  }
+  const Mask touched = touching | kept, pushed = less(zero, next_n);
+  if (!any(touched | pushed)) return zero;
+
+  // A pair that has not touched yet and would pass by has no contact, though the plane that
+  // stands for the surface here is crossed.
+  const Mask closing = andNot(touched, pushed);
+  Mask hits = touched;
+  if (any(closing)) {
+    const Floats u2 = max(dot(u, u), tiny), du = distance * un;
+    const Floats t = min(max(zero - du / u2, zero), h);
+    const Floats nearest = square + t * (du + du + t * u2);
+    const Mask hit = closing & less(nearest, sum * sum);
+    next_n = select(closing, hit & next_n, next_n);
+    hits = hits | hit;
+    if (!any(hits)) return zero;
+  }
+  const Mask acts = wholeBatches(hits);
+  if constexpr (kBouncing) {
+    if (settings.first_pass) {
+      Floats restitution = load<Floats>(slab.bouncing[b].restitution, kNextBouncing);
+      Mask fresh = andNot(kept, hits) & less(un, splat<Floats>(-settings.bounce_speed)) &
+                   less(zero, restitution) & less(zero, next_n);
+      Floats approach = fresh & (restitution * (zero - un));
+      if constexpr (kCohesive) {
+        const Floats rest = max(h - max(gap, zero) / max(zero - un, tiny), zero);
+        const Floats held = heldRebound(approach, pull * (vi.w + vj.w), reach, rest);
+        approach = fresh & select(less(zero, pull), held, approach);
+        fresh = less(zero, approach);
+        restitution = select(fresh, approach / max(zero - un, tiny), restitution);
+        grip.limit = andNot(fresh, grip.limit);
+      }
+      store(slab.bouncing[b].approach, kNextBouncing, approach);
+      next_n = select(fresh, max(zero, old_n - mass * (un - approach)), next_n);
+      noteBounces(slab, i, j, bits(fresh & less(zero, gap)), restitution, gap, normal);
+    }
+  }
+
+  Part<Floats> wi = read<Floats>(body, i, kSpin), wj = read<Floats>(body, j, kSpin);
+  const Floats inverse_sum = one / sum;
+  const Vec lever = inverse_sum * d;  // from the contact to the centres, in radii
+  const Vec turn = xi.w * wi.v + xj.w * wj.v;
+  const Vec ut = u - un * normal - cross(turn, lever);
+  const Floats mass_t = mass / (one + splat<Floats>(2.5f) * (inverse_sum * inverse_sum * square));
+  const Vec wish = old - old_n * normal - mass_t * ut;
+  Floats pressed = next_n;  // together, by whatever
+  if constexpr (kCohesive) pressed = next_n + grip.limit;
+  const Floats limit = wi.w * wj.w * pressed;
+  const Floats scale = min(one, limit / sqrt(max(dot(wish, wish), tiny)));
+  const Vec next = inBatches(acts, next_n * normal + scale * wish, old);
+  const Vec change = next - old;
+  store3(carried, kNextImpulse, next);
+  slab.carried += static_cast<uint32_t>(std::popcount(
+      bits(notEqual(next.x, zero) | notEqual(next.y, zero) | notEqual(next.z, zero))));
+  vi.v = inBatches(acts, vi.v + vi.w * change, vi.v);
+  vj.v = inBatches(acts, vj.v - vj.w * change, vj.v);
+  write(body, i, kVelocity, vi);
+  write(body, j, kVelocity, vj);
+
+  const Vec twist = cross(lever, change);
+  const Floats inverse_radii = splat<Floats>(2.5f) / (xi.w * xj.w);
+  Vec spin_i = wi.v - vi.w * (xj.w * inverse_radii) * twist;
+  Vec spin_j = wj.v - vj.w * (xi.w * inverse_radii) * twist;
+  if constexpr (kRolling) {
+    // Rolling resistance: a torque against the relative spin, at most mu_r r N, where r is half
+    // the harmonic mean of the radii.
+    RollingBatch& rolls = slab.rolling[b];
+    const Floats ki = splat<Floats>(2.5f) * vi.w / (xi.w * xi.w),  // 1 / moment of inertia
+        kj = splat<Floats>(2.5f) * vj.w / (xj.w * xj.w);
+    const Vec old_r = load3<Floats>(rolls.impulse, kNextRolling);
+    const Vec wish_r = old_r - (one / (ki + kj)) * (spin_i - spin_j);
+    const Floats limit_r =
+        load<Floats>(rolls.friction, kNextRolling) * pressed * (xi.w * xj.w * inverse_sum);
+    const Vec next_r = inBatches(
+        acts, min(one, limit_r / sqrt(max(dot(wish_r, wish_r), tiny))) * wish_r, old_r);
+    const Vec change_r = next_r - old_r;
+    store3(rolls.impulse, kNextRolling, next_r);
+    spin_i = spin_i + ki * change_r;
+    spin_j = spin_j - kj * change_r;
+  }
+  wi.v = inBatches(acts, spin_i, wi.v);
+  wj.v = inBatches(acts, spin_j, wj.v);
+  write(body, i, kSpin, wi);
+  write(body, j, kSpin, wj);
+
+  const Floats overlap = zero - gap - slop * sum;
+  Floats undone = max(overlap, zero);
+  if constexpr (kCohesive) {  // what hangs is drawn to touch again
+    const Mask hangs = less(next_n, zero) & less(grip.impulse, grip.limit);
+    undone = select(hangs, undone + min(slop * sum - gap, zero), undone);
+  }
+  const Mask moves = acts & notEqual(undone, zero);
+  if (any(moves)) {
+    const Mask move = wholeBatches(moves);
+    const Vec shift = projection * undone * mass * normal;
+    xi.v = inBatches(move, xi.v + vi.w * shift, xi.v);
+    xj.v = inBatches(move, xj.v - vj.w * shift, xj.v);
+    write(body, i, kPosition, xi);
+    write(body, j, kPosition, xj);
+  }
+  return inBatches(acts, zero - gap, zero);
+}
+
+// relaxStep() by itself. Where it is in the loop, with two widths, registers run out: GCC 12 makes
+// it a quarter slower.
+template <class Floats, bool kRolling, bool kBouncing, bool kCohesive>
+[[gnu::noinline]] Floats relaxApart(PairSlab& slab, uint32_t b, Body* body, const Entity* entity,
+                                    const PassSettings& settings) {
+  return relaxStep<Floats, kRolling, kBouncing, kCohesive>(slab, b, body, entity, settings);
+}
+
+// The processor fetches the bodies of a batch while the ones before it are worked on.
+inline void fetch(const PairSlab& slab, uint32_t b, const Body* body) {
+  const uint32_t *i = &slab.i[size_t{kBatch} * b], *j = &slab.j[size_t{kBatch} * b];
+  for (uint32_t k = 0; k < kBatch; ++k) {
+    __builtin_prefetch(body + i[k]);
+    __builtin_prefetch(body + j[k]);
+  }
 }
 
 template <bool kRolling, bool kBouncing, bool kCohesive>
 void relaxBatches(PairSlab& slab, Body* body, const Entity* entity, const PassSettings& settings) {
-  const Float8 zero = splat(0), one = splat(1), tiny = splat(1e-37f);
-  const Float8 h = splat(settings.h), inverse_h = splat(settings.inverse_h);
-  const Float8 projection = splat(kProjection), slop = splat(kSlop);
+  constexpr uint32_t kStep = Widest::kLanes / kBatch, kAhead = 3;  // batches
   const uint32_t batches = slab.count / kBatch;
-  Float8 deepest = zero;
+  const uint32_t fetched = batches < kFarBatches ? 0 : batches - kAhead - kStep;
+  Widest deepest = splat<Widest>(0);
+  [[maybe_unused]] Float8 odd_deepest = splat<Float8>(0);
   slab.carried = 0;
-
-  for (uint32_t b = 0; b < batches; ++b) {
-    const uint32_t *i = &slab.i[size_t{kBatch} * b], *j = &slab.j[size_t{kBatch} * b];
-    float(*const carried)[kBatch] = slab.impulse[b].impulse;
-    Part xi = read(body, i, kPosition), xj = read(body, j, kPosition);
-    const Vec3x8 d = xi.v - xj.v;
-    const Float8 square = dot(d, d), sum = xi.w + xj.w;
-    const Vec3x8 old = load3(carried);
-    Part vi = read(body, i, kVelocity), vj = read(body, j, kVelocity);
-    const Float8 distance = sqrt(square);
-    const Float8 gap = distance - sum;
-    Vec3x8 normal = (one / max(distance, tiny)) * d;
-    const unsigned coincident = bits(lessEqual(square, splat(1e-12f) * sum * sum));
-    if (coincident != 0) replaceCoincident(i, j, coincident, entity, normal);
-    const Vec3x8 u = vi.v - vj.v;
-    const Float8 un = dot(u, normal), old_n = dot(old, normal);
-    const Float8 mass = one / (vi.w + vj.w);
-    Float8 touching = lessEqual(gap, zero);
-    const Float8 kept = notEqual(old.x, zero) | notEqual(old.y, zero) | notEqual(old.z, zero);
-
-    // Separation speed that is asked for: the gap may close within the substep, no more.
-    Float8 asked = zero - inverse_h * max(gap, zero);
-    if constexpr (kBouncing) {
-      const Float8 approach = load(slab.bouncing[b].approach);
-      asked = select(less(zero, approach), approach, asked);
-    }
-    Float8 next_n = max(zero, old_n - mass * (un - asked));
-    [[maybe_unused]] Float8 pull, reach, holds;
-    [[maybe_unused]] Grips grip;
-    if constexpr (kCohesive) {
-      pull = load(slab.cohesion[b].pull);
-      reach = splat(kReach) * (xi.w * xj.w / sum);
-      const Float8 left = reach - max(gap, zero), stops = mass * un - old_n;
-      holds = less(zero, pull) & less(zero, left) & (touching | kept | less(zero, stops));
-      if constexpr (kBouncing) holds = andNot(less(zero, load(slab.bouncing[b].approach)), holds);
-      const Float8 before = dot(read(body, i, kBefore).v - read(body, j, kBefore).v, normal);
-      grip = gripOf(before, (vi.w + vj.w) * stops, mass, vi.w + vj.w, pull, left, settings);
-      grip = {holds & grip.impulse, holds & grip.limit};
-      next_n = select(less(zero, next_n), next_n, zero - grip.impulse);
-      touching = touching | holds;
-    }
-    const Float8 touched = touching | kept, pushed = less(zero, next_n);
-    if (!any(touched | pushed)) continue;
-
-    // A pair that has not touched yet and would pass by has no contact, though the plane that
-    // stands for the surface here is crossed.
-    const Float8 closing = andNot(touched, pushed);
-    Float8 hits = touched;
-    if (any(closing)) {
-      const Float8 u2 = max(dot(u, u), tiny), du = distance * un;
-      const Float8 t = min(max(zero - du / u2, zero), h);
-      const Float8 nearest = square + t * (du + du + t * u2);
-      const Float8 hit = closing & less(nearest, sum * sum);
-      next_n = select(closing, hit & next_n, next_n);
-      hits = hits | hit;
-      if (!any(hits)) continue;
-    }
-    if constexpr (kBouncing) {
-      if (settings.first_pass) {
-        Float8 restitution = load(slab.bouncing[b].restitution);
-        Float8 fresh = andNot(kept, hits) & less(un, splat(-settings.bounce_speed)) &
-                             less(zero, restitution) & less(zero, next_n);
-        Float8 approach = fresh & (restitution * (zero - un));
-        if constexpr (kCohesive) {
-          const Float8 rest = max(h - max(gap, zero) / max(zero - un, tiny), zero);
-          const Float8 held = heldRebound(approach, pull * (vi.w + vj.w), reach, rest);
-          approach = fresh & select(less(zero, pull), held, approach);
-          fresh = less(zero, approach);
-          restitution = select(fresh, approach / max(zero - un, tiny), restitution);
-          grip.limit = andNot(fresh, grip.limit);
-        }
-        store(slab.bouncing[b].approach, approach);
-        next_n = select(fresh, max(zero, old_n - mass * (un - approach)), next_n);
-        noteBounces(slab, i, j, bits(fresh & less(zero, gap)), restitution, gap, normal);
+  uint32_t b = 0;
+  for (const uint32_t contacts : slab.colour_end) {
+    const uint32_t end = (contacts + kBatch - 1) / kBatch;
+    for (; b + kStep <= end; b += kStep) {
+      if (b < fetched)
+        for (uint32_t k = 0; k < kStep; ++k) fetch(slab, b + kAhead + k, body);
+      if constexpr (kStep == 1) {
+        deepest = max(deepest, relaxStep<Widest, kRolling, kBouncing, kCohesive>(
+                                   slab, b, body, entity, settings));
+      } else {
+        deepest = max(deepest, relaxApart<Widest, kRolling, kBouncing, kCohesive>(
+                                   slab, b, body, entity, settings));
       }
     }
-
-    Part wi = read(body, i, kSpin), wj = read(body, j, kSpin);
-    const Float8 inverse_sum = one / sum;
-    const Vec3x8 lever = inverse_sum * d;  // from the contact to the centres, in radii
-    const Vec3x8 turn = xi.w * wi.v + xj.w * wj.v;
-    const Vec3x8 ut = u - un * normal - cross(turn, lever);
-    const Float8 mass_t = mass / (one + splat(2.5f) * (inverse_sum * inverse_sum * square));
-    const Vec3x8 wish = old - old_n * normal - mass_t * ut;
-    Float8 pressed = next_n;  // together, by whatever
-    if constexpr (kCohesive) pressed = next_n + grip.limit;
-    const Float8 limit = wi.w * wj.w * pressed;
-    const Float8 scale = min(one, limit / sqrt(max(dot(wish, wish), tiny)));
-    const Vec3x8 next = next_n * normal + scale * wish;
-    const Vec3x8 change = next - old;
-    store3(carried, next);
-    slab.carried += static_cast<uint32_t>(std::popcount(
-        bits(notEqual(next.x, zero) | notEqual(next.y, zero) | notEqual(next.z, zero))));
-    vi.v = vi.v + vi.w * change;
-    vj.v = vj.v - vj.w * change;
-    write(body, i, kVelocity, vi);
-    write(body, j, kVelocity, vj);
-
-    const Vec3x8 twist = cross(lever, change);
-    const Float8 inverse_radii = splat(2.5f) / (xi.w * xj.w);
-    wi.v = wi.v - vi.w * (xj.w * inverse_radii) * twist;
-    wj.v = wj.v - vj.w * (xi.w * inverse_radii) * twist;
-    if constexpr (kRolling) {
-      // Rolling resistance: a torque against the relative spin, at most mu_r r N, where r is half
-      // the harmonic mean of the radii.
-      RollingBatch& rolls = slab.rolling[b];
-      const Float8 ki = splat(2.5f) * vi.w / (xi.w * xi.w),  // 1 / moment of inertia
-          kj = splat(2.5f) * vj.w / (xj.w * xj.w);
-      const Vec3x8 old_r = load3(rolls.impulse);
-      const Vec3x8 wish_r = old_r - (one / (ki + kj)) * (wi.v - wj.v);
-      const Float8 limit_r = load(rolls.friction) * pressed * (xi.w * xj.w * inverse_sum);
-      const Vec3x8 next_r = min(one, limit_r / sqrt(max(dot(wish_r, wish_r), tiny))) * wish_r;
-      const Vec3x8 change_r = next_r - old_r;
-      store3(rolls.impulse, next_r);
-      wi.v = wi.v + ki * change_r;
-      wj.v = wj.v - kj * change_r;
-    }
-    write(body, i, kSpin, wi);
-    write(body, j, kSpin, wj);
-
-    const Float8 overlap = zero - gap - slop * sum;
-    deepest = max(deepest, zero - gap);
-    Float8 undone = max(overlap, zero);
-    if constexpr (kCohesive) {  // what hangs is drawn to touch again
-      const Float8 hangs = less(next_n, zero) & less(grip.impulse, grip.limit);
-      undone = select(hangs, undone + min(slop * sum - gap, zero), undone);
-    }
-    if (any(notEqual(undone, zero))) {
-      const Vec3x8 shift = projection * undone * mass * normal;
-      xi.v = xi.v + vi.w * shift;
-      xj.v = xj.v - vj.w * shift;
-      write(body, i, kPosition, xi);
-      write(body, j, kPosition, xj);
-    }
+    if constexpr (kStep > 1)
+      if (b < end)
+        odd_deepest = max(odd_deepest, relaxApart<Float8, kRolling, kBouncing, kCohesive>(
+                                           slab, b++, body, entity, settings));
   }
-  float depth[kBatch];
-  store(depth, deepest);
-  for (const float overlap : depth) slab.deepest = std::max(slab.deepest, overlap);
+  float depths[Widest::kLanes + kBatch];
+  store(depths, kBatch, deepest);
+  store(depths + Widest::kLanes, kBatch, odd_deepest);
+  for (const float overlap : depths) slab.deepest = std::max(slab.deepest, overlap);
 }
 
 inline void applyKept(PairSlab& slab, Body* body, const PassSettings& settings) {
-  const Float8 zero = splat(0);
+  using Vec = Vec3s<Float8>;
+  constexpr size_t kNextImpulse = kNext<ImpulseBatch>, kNextRolling = kNext<RollingBatch>;
+  const Float8 zero = splat<Float8>(0);
   const uint32_t batches = slab.count / kBatch;
   slab.bounces.clear();
   slab.deepest = 0;
   for (uint32_t b = 0; b < batches; ++b) {
-    if (settings.bouncing) store(slab.bouncing[b].approach, zero);
+    if (settings.bouncing) store(slab.bouncing[b].approach, kNext<BouncingBatch>, zero);
     float(*const carried)[kBatch] = slab.impulse[b].impulse;
-    Vec3x8 impulse = load3(carried);
+    Vec impulse = load3<Float8>(carried, kNextImpulse);
     const unsigned kept = bits(notEqual(impulse.x, zero) | notEqual(impulse.y, zero) |
                                notEqual(impulse.z, zero));
     const unsigned trusted = kept & slab.trust[b];
@@ -240,28 +317,30 @@ inline void applyKept(PairSlab& slab, Body* body, const PassSettings& settings) 
     // The impulse of an impact says nothing about the next substep: only contacts that lasted
     // longer than one keep theirs.
     if (trusted != kept) {
-      const Float8 mask = maskOf(trusted);
+      const Float8::Mask mask = maskOf<Float8>(trusted);
       impulse = mask & impulse;
-      store3(carried, impulse);
-      if (settings.rolling)
-        store3(slab.rolling[b].impulse, mask & load3(slab.rolling[b].impulse));
+      store3(carried, kNextImpulse, impulse);
+      if (settings.rolling) {
+        float(*const rolling)[kBatch] = slab.rolling[b].impulse;
+        store3(rolling, kNextRolling, mask & load3<Float8>(rolling, kNextRolling));
+      }
     }
     if (trusted == 0) continue;
     const uint32_t *i = &slab.i[size_t{kBatch} * b], *j = &slab.j[size_t{kBatch} * b];
-    const Part xi = read(body, i, kPosition), xj = read(body, j, kPosition);
-    Part vi = read(body, i, kVelocity), vj = read(body, j, kVelocity);
-    Part wi = read(body, i, kSpin), wj = read(body, j, kSpin);
-    const Vec3x8 lever = (splat(1) / (xi.w + xj.w)) * (xi.v - xj.v);
-    const Vec3x8 moment = cross(lever, impulse);
-    const Float8 inverse_radii = splat(2.5f) / (xi.w * xj.w);
+    const auto xi = read<Float8>(body, i, kPosition), xj = read<Float8>(body, j, kPosition);
+    auto vi = read<Float8>(body, i, kVelocity), vj = read<Float8>(body, j, kVelocity);
+    auto wi = read<Float8>(body, i, kSpin), wj = read<Float8>(body, j, kSpin);
+    const Vec lever = (splat<Float8>(1) / (xi.w + xj.w)) * (xi.v - xj.v);
+    const Vec moment = cross(lever, impulse);
+    const Float8 inverse_radii = splat<Float8>(2.5f) / (xi.w * xj.w);
     vi.v = vi.v + vi.w * impulse;
     vj.v = vj.v - vj.w * impulse;
     wi.v = wi.v - vi.w * (xj.w * inverse_radii) * moment;
     wj.v = wj.v - vj.w * (xi.w * inverse_radii) * moment;
     if (settings.rolling) {
-      const Vec3x8 rolling = load3(slab.rolling[b].impulse);
-      wi.v = wi.v + (splat(2.5f) * vi.w / (xi.w * xi.w)) * rolling;
-      wj.v = wj.v - (splat(2.5f) * vj.w / (xj.w * xj.w)) * rolling;
+      const Vec rolling = load3<Float8>(slab.rolling[b].impulse, kNextRolling);
+      wi.v = wi.v + (splat<Float8>(2.5f) * vi.w / (xi.w * xi.w)) * rolling;
+      wj.v = wj.v - (splat<Float8>(2.5f) * vj.w / (xj.w * xj.w)) * rolling;
     }
     write(body, i, kVelocity, vi);
     write(body, j, kVelocity, vj);

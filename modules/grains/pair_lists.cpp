@@ -251,12 +251,12 @@ void PairLists::colour(const Grid& grid, uint32_t s) {
   // which nothing comes cost little.
   constexpr uint32_t kWaits = 0xffffffffu;
   uint32_t* const colour = colours() + own.colour_begin;
-  own.colour_count.clear();
+  own.colour_end.clear();
   uint32_t waiting = 1;
   for (uint32_t round = 0; waiting > 0; ++round) {
     std::ranges::fill(masks, 0);
     waiting = 0;
-    own.colour_count.resize(64 * (round + 1), 0);
+    own.colour_end.resize(64 * (round + 1), 0);
     eachPair(grid, s, [&](uint32_t k, uint32_t i, uint32_t found) {
       if (round > 0 && colour[k] != kWaits) return;
       const uint32_t j = slotOf(found);
@@ -272,11 +272,11 @@ void PairLists::colour(const Grid& grid, uint32_t s) {
       taken_i |= uint64_t{1} << lowest;
       taken_j |= uint64_t{1} << lowest;
       colour[k] = 64 * round + lowest;
-      ++own.colour_count[colour[k]];
+      ++own.colour_end[colour[k]];  // for now, how many they are
     });
   }
   uint32_t end = 0;
-  for (uint32_t& n : own.colour_count) {
+  for (uint32_t& n : own.colour_end) {
     const uint32_t first = end;
     end += (n + kBatch - 1) & ~(kBatch - 1);
     n = first;
@@ -291,7 +291,7 @@ void PairLists::place(const Grid& grid, const Bodies& bodies, uint32_t s) {
   fillIdle(s);
   eachPair(grid, s, [&](uint32_t k, uint32_t i, uint32_t found) {
     const uint32_t j = slotOf(found);
-    const uint32_t contact = own.colour_count[colour[k]]++;
+    const uint32_t contact = own.colour_end[colour[k]]++;
     if (!isAwake(bodies, i) || !isAwake(bodies, j)) append(own.border, contact);
     own.i[contact] = i;
     own.j[contact] = j;
@@ -360,7 +360,7 @@ size_t PairLists::memoryBytes() const {
                  cohesion_.memoryBytes() + slab.capacity() * sizeof(PairSlab);
   for (const Scratch& scratch : scratch_) bytes += 4 * scratch.found.capacity() + scratch.taken.memoryBytes();
   for (const PairSlab& s : slab)
-    bytes += 4 * (s.colour_count.capacity() + s.border.capacity()) + sizeof(Bounce) * s.bounces.capacity();
+    bytes += 4 * (s.colour_end.capacity() + s.border.capacity()) + sizeof(Bounce) * s.bounces.capacity();
   return bytes;
 }
 

@@ -56,8 +56,8 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   const vec3 gravity_step = parameters.gravity * h;
   const float keep = std::clamp(1 - parameters.damping * h, 0.0f, 1.0f);
 
-  const Kernels* wide = parameters.lanes == Lanes::Widest ? wideKernels() : nullptr;
-  kernels_ = wide != nullptr ? wide : &kBaselineKernels;
+  kernels_ = kernelsOf(parameters.lanes);
+  if (kernels_ == nullptr) kernels_ = &kBaselineKernels;
   grid_.use(*kernels_);
   stats_.rebuilds = 0;
   stats_.woken = 0;

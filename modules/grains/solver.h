@@ -43,9 +43,6 @@ inline constexpr float kMostDistance = 1e9f;                          // from th
 // Whether the numbers are inside these limits.
 bool allowed(float radius, const GrainMaterial& material);
 
-// Which instructions the pair passes use; the results are the same to the bit.
-enum class Lanes : uint32_t { Widest, Baseline };
-
 struct StepParameters {
   float dt = 1.0f / 60;  // s; 0 or less, or NaN: nothing happens
   vec3 gravity{0, -9.81f, 0};
@@ -53,7 +50,7 @@ struct StepParameters {
   int passes = 3;
   float damping = 0;  // 1/s
   vec3 bounds_min{-500, -50, -500}, bounds_max{500, 500, 500};
-  Lanes lanes = Lanes::Widest;
+  Lanes lanes = Lanes::Widest;  // a set that the machine lacks: the baseline
   // In a set order, which shows in the last bits.
   std::span<const Force> forces;
   std::span<const Blow> blows;  // at the tick's begin

@@ -72,8 +72,8 @@ TEST(Search, SaysWhichNeighboursNearlyTouch) {
     bodies.reference.push_back({bodies.body[k].position, 0.02f});
     bodies.entity.push_back({k, 1});
   }
-  for (const bool wide : {true, false}) {
-    const Kernels* kernels = wide ? wideKernels() : &kBaselineKernels;
+  for (const Lanes lanes : {Lanes::Baseline, Lanes::Avx2, Lanes::Avx512}) {
+    const Kernels* kernels = kernelsOf(lanes);
     if (kernels == nullptr) continue;
     Grid grid;
     Workspace workspace;
