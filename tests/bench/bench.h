@@ -62,6 +62,9 @@ class Bench {
   void row(Row row);
   void claimAtMost(std::string name, double value, double bound);
   void claimAtLeast(std::string name, double value, double bound);
+  // A knob that goes from scenario to scenario: time over it is plotted too.
+  void sweeps(std::string knob) { swept_knob_ = std::move(knob); }
+  const std::string& sweptKnob() const { return swept_knob_; }
   // A line on standard error.
   template <class... T>
   void progress(fmt::format_string<T...> format, T&&... args) const {
@@ -81,7 +84,7 @@ class Bench {
 
  private:
   void progressLine(std::string_view line) const;
-  std::string name_;
+  std::string name_, swept_knob_;
   bool quick_;
   nlohmann::ordered_json machine_;
   std::vector<Row> rows_;

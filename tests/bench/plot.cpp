@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 
 #include "engine/core/file.h"
@@ -67,6 +68,53 @@ std::string fileName(const std::string& text) {
   return out;
 }
 
+// An SVG in the making: two logarithmic axes with their grid, and what is drawn on them.
+struct Paper {
+  Axis x_axis, y_axis;
+  double axis_bottom;
+  std::string svg;
+
+  Paper(const std::string& title, const Axis& x_in, const Axis& y_in, double bottom)
+      : x_axis(x_in), y_axis(y_in), axis_bottom(bottom) {
+    svg = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
+        "height=\"{1}\" "
+        "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" "
+        "fill=\"white\"/>\n"
+        "<text x=\"{2}\" y=\"28\" font-size=\"16\">{3}</text>\n",
+        kWidth, kHeight, kLeft, escaped(title));
+  }
+  double x(double value) const { return kLeft + x_axis.fraction(value) * (kWidth - kLeft - kRight); }
+  double y(double value) const { return axis_bottom - y_axis.fraction(value) * (axis_bottom - kTop); }
+  void line(double x0, double y0, double x1, double y1, const char* colour) {
+    svg += fmt::format(
+        "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>\n", x0, y0,
+        x1, y1, colour);
+  }
+  void text(double tx, double ty, const char* anchor, const std::string& content) {
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", tx, ty,
+                       anchor, escaped(content));
+  }
+  void grid(const std::string& x_title, const std::string& y_title) {
+    for (int power = x_axis.low; power <= x_axis.high; ++power) {
+      const double at = x(std::pow(10.0, power));
+      line(at, kTop, at, kHeight - kBottom, "#ddd");
+      text(at, kHeight - kBottom + 18, "middle", fmt::format("{:g}", std::pow(10.0, power)));
+    }
+    for (int power = y_axis.low; power <= y_axis.high; ++power) {
+      const double at = y(std::pow(10.0, power));
+      line(kLeft, at, kWidth - kRight, at, "#ddd");
+      text(kLeft - 8, at + 4, "end", fmt::format("{:g}", std::pow(10.0, power)));
+    }
+    line(kLeft, kTop, kLeft, kHeight - kBottom, "black");
+    line(kLeft, kHeight - kBottom, kWidth - kRight, kHeight - kBottom, "black");
+    text((kLeft + kWidth - kRight) / 2, kHeight - 20, "middle", x_title);
+    svg += fmt::format(
+        "<text transform=\"translate(20 {:.1f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+        (kTop + kHeight - kBottom) / 2, escaped(y_title));
+  }
+};
+
 }  // namespace
 
 std::vector<size_t> paretoFront(const std::vector<Row>& rows) {
@@ -88,68 +136,69 @@ std::string plotSvg(const std::string& title, const std::vector<Row>& rows) {
     times.push_back(row.time_ms);
     errors.push_back(row.error);
   }
-  const Axis x_axis = decades(times), y_axis = decades(errors);
-  const double axis_bottom = kHeight - kBottom - kExactStrip;
-  const auto x = [&](double t) { return kLeft + x_axis.fraction(t) * (kWidth - kLeft - kRight); };
-  const auto y = [&](double e) {
-    return e > 0 ? axis_bottom - y_axis.fraction(e) * (axis_bottom - kTop) : kHeight - kBottom - 8;
-  };
-
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" "
-      "height=\"{1}\" "
-      "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" "
-      "fill=\"white\"/>\n"
-      "<text x=\"{2}\" y=\"28\" font-size=\"16\">{3}</text>\n",
-      kWidth, kHeight, kLeft, escaped(title));
-  const auto line = [&](double x0, double y0, double x1, double y1, const char* colour) {
-    svg += fmt::format(
-        "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>\n", x0, y0,
-        x1, y1, colour);
-  };
-  const auto text = [&](double tx, double ty, const char* anchor, const std::string& content) {
-    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", tx, ty,
-                       anchor, escaped(content));
-  };
-  for (int power = x_axis.low; power <= x_axis.high; ++power) {
-    const double at = x(std::pow(10.0, power));
-    line(at, kTop, at, kHeight - kBottom, "#ddd");
-    text(at, kHeight - kBottom + 18, "middle", fmt::format("{:g}", std::pow(10.0, power)));
-  }
-  for (int power = y_axis.low; power <= y_axis.high; ++power) {
-    const double at = y(std::pow(10.0, power));
-    line(kLeft, at, kWidth - kRight, at, "#ddd");
-    text(kLeft - 8, at + 4, "end", fmt::format("{:g}", std::pow(10.0, power)));
-  }
-  text(kLeft - 8, y(0) + 4, "end", "exact");
-  line(kLeft, kTop, kLeft, kHeight - kBottom, "black");
-  line(kLeft, kHeight - kBottom, kWidth - kRight, kHeight - kBottom, "black");
-  text((kLeft + kWidth - kRight) / 2, kHeight - 20, "middle", "time, ms");
-  svg += fmt::format(
-      "<text transform=\"translate(20 {:.1f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-      (kTop + kHeight - kBottom) / 2, escaped(rows.empty() ? "" : rows[0].error_kind));
+  Paper paper(title, decades(times), decades(errors), kHeight - kBottom - kExactStrip);
+  const auto y = [&](double error) { return error > 0 ? paper.y(error) : kHeight - kBottom - 8; };
+  paper.grid("time, ms", rows.empty() ? "" : rows[0].error_kind);
+  paper.text(kLeft - 8, y(0) + 4, "end", "exact");
 
   std::string front;
-  for (size_t i : paretoFront(rows))
-    front += fmt::format("{:.1f},{:.1f} ", x(rows[i].time_ms), y(rows[i].error));
-  svg += fmt::format(
+  for (size_t i : paretoFront(rows)) front += fmt::format("{:.1f},{:.1f} ", paper.x(rows[i].time_ms), y(rows[i].error));
+  paper.svg += fmt::format(
       "<polyline points=\"{}\" fill=\"none\" stroke=\"#1f77b4\" stroke-width=\"2\"/>\n", front);
   for (const Row& row : rows) {
-    const double px = x(row.time_ms), py = y(row.error);
+    const double px = paper.x(row.time_ms), py = y(row.error);
     if (row.baseline) {
-      svg += fmt::format(
+      paper.svg += fmt::format(
           "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"10\" height=\"10\" fill=\"#d62728\">", px - 5,
           py - 5);
     } else {
-      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\" fill=\"#1f77b4\">", px, py);
+      paper.svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\" fill=\"#1f77b4\">", px, py);
     }
-    svg += fmt::format("<title>{}: {:.4g} ms, error {:.4g}</title></{}>\n", escaped(row.label),
-                       row.time_ms, row.error, row.baseline ? "rect" : "circle");
+    paper.svg += fmt::format("<title>{}: {:.4g} ms, error {:.4g}</title></{}>\n", escaped(row.label),
+                             row.time_ms, row.error, row.baseline ? "rect" : "circle");
     const bool right_edge = px > kWidth - 200;
-    text(px + (right_edge ? -8 : 8), py - 6, right_edge ? "end" : "start",
-         row.label + (row.baseline ? " (baseline)" : ""));
+    paper.text(px + (right_edge ? -8 : 8), py - 6, right_edge ? "end" : "start",
+               row.label + (row.baseline ? " (baseline)" : ""));
   }
-  return svg + "</svg>\n";
+  return paper.svg + "</svg>\n";
+}
+
+std::string sweepSvg(const std::string& title, const std::string& knob, const std::vector<Row>& rows) {
+  static constexpr const char* kColours[] = {"#1f77b4", "#ff7f0e", "#2ca02c", "#9467bd", "#8c564b", "#e377c2"};
+  struct Line {
+    std::string label, points;
+    bool baseline = false;
+  };
+  std::vector<const Row*> swept;
+  std::vector<double> values, times;
+  for (const Row& row : rows) {
+    const auto at = row.knobs.find(knob);
+    if (at == row.knobs.end() || !at->is_number() || !(at->get<double>() > 0) || !(row.time_ms > 0)) continue;
+    swept.push_back(&row);
+    values.push_back(at->get<double>());
+    times.push_back(row.time_ms);
+  }
+  Paper paper(title, decades(values), decades(times), kHeight - kBottom);
+  paper.grid(knob, "time, ms");
+  std::vector<Line> lines;
+  for (size_t i = 0; i < swept.size(); ++i) {
+    auto line = std::find_if(lines.begin(), lines.end(), [&](const Line& l) { return l.label == swept[i]->label; });
+    if (line == lines.end()) {
+      lines.push_back({.label = swept[i]->label, .points = "", .baseline = swept[i]->baseline});
+      line = std::prev(lines.end());
+    }
+    line->points += fmt::format("{:.1f},{:.1f} ", paper.x(values[i]), paper.y(times[i]));
+  }
+  for (size_t k = 0; k < lines.size(); ++k) {
+    const char* colour = lines[k].baseline ? "#d62728" : kColours[k % std::size(kColours)];
+    paper.svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n",
+                             lines[k].points, colour);
+    const double legend_y = kTop + 16 + 18 * static_cast<double>(k);
+    paper.svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"14\" height=\"4\" fill=\"{}\"/>\n",
+                             kWidth - 230, legend_y - 6, colour);
+    paper.text(kWidth - 208, legend_y, "start", lines[k].label + (lines[k].baseline ? " (baseline)" : ""));
+  }
+  return paper.svg + "</svg>\n";
 }
 
 Result<std::vector<std::filesystem::path>> writePlots(const Bench& bench,
@@ -179,6 +228,12 @@ Result<std::vector<std::filesystem::path>> writePlots(const Bench& bench,
         !written.ok()) {
       return Error{written.error()};
     }
+  }
+  if (!bench.sweptKnob().empty()) {
+    paths.push_back(directory / fmt::format("{}_over_{}.svg", bench.name(), fileName(bench.sweptKnob())));
+    const std::string title = fmt::format("{}: time over {}", bench.name(), bench.sweptKnob());
+    if (Status written = writeFile(paths.back(), sweepSvg(title, bench.sweptKnob(), bench.rows())); !written.ok())
+      return Error{written.error()};
   }
   return paths;
 }

@@ -18,7 +18,11 @@ std::vector<size_t> paretoFront(const std::vector<Row>& rows);
 // without error lie on a line of their own below the axis's end.
 std::string plotSvg(const std::string& title, const std::vector<Row>& rows);
 
-// DIR/<bench>_<scenario>.svg for every scenario; makes DIR. Returns the paths.
+// SVG of time over a knob, a line a label, through all scenarios in the order of the rows; logarithmic axes. Rows
+// without that knob, or where it is not above 0, are left out.
+std::string sweepSvg(const std::string& title, const std::string& knob, const std::vector<Row>& rows);
+
+// DIR/<bench>_<scenario>.svg for every scenario, and DIR/<bench>_over_<knob>.svg if one is swept; makes DIR. Returns the paths.
 Result<std::vector<std::filesystem::path>> writePlots(const Bench& bench,
                                                       const std::filesystem::path& directory);
 

@@ -257,5 +257,35 @@ TEST(Plot, PutsPointsInsideTheFrameAndEscapesText) {
   EXPECT_EQ(circles, 3u);
 }
 
+TEST(Plot, SweepHasALineForEachLabelWithThePointsOfItsRows) {
+  std::vector<Row> rows;
+  for (const double knob : {1.0, 10.0, 100.0})
+    for (const char* label : {"a", "b"}) {
+      rows.push_back(point(knob * (*label == 'a' ? 1 : 10), 0));
+      rows.back().label = label;
+      rows.back().knobs = {{"distance", knob}};
+    }
+  rows.push_back(point(5, 0));  // without the knob
+  rows.back().label = "c";
+  rows[1].baseline = true;
+  const std::string svg = sweepSvg("t", "distance", rows);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_EQ(svg.find(">c<"), std::string::npos);
+  EXPECT_NE(svg.find(">b (baseline)<"), std::string::npos);
+  std::vector<std::vector<double>> lines;
+  for (size_t at = svg.find("points=\""); at != std::string::npos; at = svg.find("points=\"", at + 1)) {
+    double x[3], y[3];
+    ASSERT_EQ(std::sscanf(svg.c_str() + at, "points=\"%lf,%lf %lf,%lf %lf,%lf", &x[0], &y[0], &x[1], &y[1], &x[2], &y[2]), 6);
+    EXPECT_NEAR(x[0], 90, 0.1);  // 1 and 100: the ends of the axis
+    EXPECT_NEAR(x[2], 870, 0.1);
+    EXPECT_NEAR(x[1], 480, 0.1);
+    lines.push_back({y[0], y[1], y[2]});
+  }
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_NEAR(lines[0][1], lines[1][0], 0.1) << "10 ms both";
+  EXPECT_NEAR(lines[0][0] - lines[0][1], lines[1][1] - lines[1][2], 0.2);
+  EXPECT_GT(lines[0][0], lines[0][1] + 50) << "more time is further up";
+}
+
 }  // namespace
 }  // namespace scree::bench
