@@ -1,11 +1,12 @@
 // The heap, the sun and the camera.
 #include "tests/bench/bean_heap.h"
 
-#include <fmt/format.h>
+#include <stdlib.h>
 
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <string>
 
 #include "engine/core/file.h"
 #include "engine/core/log.h"
@@ -116,6 +117,17 @@ void HeapScene::castShadows(bool cast) {
 void HeapScene::render() {
   app.render(size);
   glFinish();
+}
+
+WorkFolder::WorkFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "scree_bench_XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) fail("no temporary folder: " + name);
+  path_ = name;
+}
+
+WorkFolder::~WorkFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
 }
 
 double beanPx(const Heap& heap, double distance_m, int rows) {

@@ -44,6 +44,19 @@ struct HeapScene {
   void render();
 };
 
+// An empty folder below the system's temporary one, removed at the end.
+class WorkFolder {
+ public:
+  WorkFolder();
+  ~WorkFolder();
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 // Outer radius in pixels of a bean at a distance, in a picture of so many rows with the heap's field of view.
 double beanPx(const Heap& heap, double distance_m, int rows);
 

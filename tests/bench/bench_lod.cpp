@@ -1,7 +1,6 @@
 // The dolly shot: a heap of coffee beans from near to far, drawn by the router's choice, as each representation
 // alone, and as the sprites of 2020; time against error, by distance.
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <array>
@@ -13,7 +12,6 @@
 
 #include "engine/assets/image_flip.h"
 #include "engine/core/hash.h"
-#include "engine/core/log.h"
 #include "engine/gpu/load.h"
 #include "engine/gpu/readback.h"
 #include "modules/deferred/deferred.h"
@@ -44,26 +42,6 @@ constexpr const char* kLabels[kWays] = {"hybrid", "mesh", "impostor", "point", "
 struct Scenes {
   Heap heap;
   std::vector<std::unique_ptr<HeapScene>> scenes;
-};
-
-// An empty folder below the system's temporary one, removed at the end.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "scree_bench_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) fail("no temporary folder: " + name);
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
 };
 
 Scenes makeScenes(const Plan& plan, const std::filesystem::path& folder) {
@@ -251,7 +229,7 @@ SCREE_BENCH(lod, "a heap of beans from near to far: the router beside each repre
   bench.fact("gl_renderer", gpu::limits().renderer);
   bench.sweeps("distance_m");
   const Plan plan = planOf(bench.quick());
-  const Folder folder;
+  const WorkFolder folder;
   bench.progress("lod: baking the bean's impostor");
   Scenes all = makeScenes(plan, folder.path());
   bench.progress("lod: {} beans, {} x {}", all.heap.beans.size(), plan.size.x, plan.size.y);
