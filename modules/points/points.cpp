@@ -12,12 +12,14 @@
 #include "engine/gpu/state.h"
 #include "modules/deferred/deferred.h"
 #include "modules/lod/lod.h"
+#include "shaders/shared/points.h"
+#include "shaders/shared/sky.h"
 
 namespace scree {
 namespace {
 
 constexpr const char *kKeys = "points.keys", *kSums = "points.sums";
-constexpr int kSurface = 0, kToSun = 1, kLeastArea = 2;  // uniform locations
+constexpr int kSurface = 0, kToSun = 1, kLeastArea = 2, kSky = 3;  // uniform locations
 void dispatch(const SwarmPart& part) {
   gpu::dispatchIndirect(*part.commands, offsetof(rules::SwarmCommands, point_groups));
 }
@@ -52,7 +54,7 @@ struct Points {
   explicit Points(App& app) : world(app.world()) {}
 
   World& world;
-  gpu::Buffer keys, sums, ids, surfaces;  // by pixel
+  gpu::Buffer keys, sums, carries, ids, surfaces;  // by pixel
   MarkedTiles tiles{"points.tiles"};
   gpu::Program depth = programOf("depth", 0);
   Programs sum, resolve;
@@ -102,11 +104,19 @@ void splatSums(Points& points, ivec2 size, unsigned features) {
   features &= kIds | kSurfaces;
   if (!Points::made(points.sum, "sum", features).use()) return;
   Points::ready(points.sums, kSums, 4, rules::kPointSumsBinding, size, Points::EmptiedBy::Reader);
+  Points::ready(points.carries, "points.carries", 1, rules::kPointCarriesBinding, size, Points::EmptiedBy::Reader);
   if ((features & kIds) != 0) Points::ready(points.ids, "points.ids", 1, rules::kPointIdsBinding, size, Points::EmptiedBy::Us);
   if ((features & kSurfaces) != 0)
     Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size, Points::EmptiedBy::Reader);
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.eachPart([](const SwarmPart& part) { dispatch(part); });
+}
+
+// Luminance of skyIrradianceOverPi: how it grows with a normal's height, and with its square.
+vec2 skyByHeight(const Sky& sky) {
+  const rules::SkyPolynomial p = rules::skyPolynomial(sky.zenith, sky.horizon, sky.ground);
+  const vec3 luminance(0.2126f, 0.7152f, 0.0722f);
+  return {glm::dot(vec3(p.b), luminance) * (2.0f / 3.0f), glm::dot(vec3(p.c), luminance) * 0.25f};
 }
 
 void resolve(Points& points, unsigned features) {
@@ -117,8 +127,10 @@ void resolve(Points& points, unsigned features) {
   program.set(kSurface, vec2(shape.roughness, shape.metallic));
   program.set(kToSun, sun.present ? sun.to_sun : vec3(0));
   program.set(kLeastArea, kLeastShare);
+  program.set(kSky, skyByHeight(points.world.singleton<const Sky>()));
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.sums.bindStorage(rules::kPointSumsBinding);
+  points.carries.bindStorage(rules::kPointCarriesBinding);
   if ((features & kIds) != 0) points.ids.bindStorage(rules::kPointIdsBinding);
   if ((features & kSurfaces) != 0) points.surfaces.bindStorage(rules::kPointSurfacesBinding);
   gpu::apply({.cull = gpu::Cull::None});

@@ -15,7 +15,7 @@ void main() {
       Seen seen = seenOf(records[grain + k]);
       if (seen.along == 0.0) continue;
       uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
-      uint key = pointKey(seen.along);
+      uint key = pointKey(seen.front);
       if (keys[at] >= key) continue;
       // The first of a pixel: points add to the pixels around theirs, too.
       if (keys[at] == 0u) markTiles(ivec2(seen.pixel_px) - 1, ivec2(seen.pixel_px) + 1);

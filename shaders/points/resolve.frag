@@ -1,9 +1,11 @@
 // The pixels that points cover, into the G-buffer; their sums are emptied.
 #include "lib/gbuffer.glsl"
+#include "shared/bed.h"
 #include "shared/points.h"
 
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
 layout(std430, binding = kPointSumsBinding) buffer Sums { uvec4 sums[]; };
+layout(std430, binding = kPointCarriesBinding) buffer Carries { uint carries[]; };
 #ifdef SURFACES
 layout(std430, binding = kPointSurfacesBinding) buffer Surfaces { uvec2 surfaces[]; };
 #endif
@@ -14,25 +16,48 @@ layout(std430, binding = kPointIdsBinding) readonly buffer Ids { uint ids[]; };
 layout(location = 0) uniform vec2 surface;      // roughness, metalness
 layout(location = 1) uniform vec3 to_sun;       // 0: there is none
 layout(location = 2) uniform float least_area;  // share of a pixel
+layout(location = 3) uniform vec2 sky;          // how its light grows with the height of a normal, and its square
 
 in vec3 ray;
+
+const vec3 kLuminance = vec3(0.2126, 0.7152, 0.0722);
 
 uint at(ivec2 pixel) {
   ivec2 p = clamp(pixel, ivec2(0), ivec2(view.size_px) - 1);
   return uint(p.y) * uint(view.size_px.x) + uint(p.x);
 }
 
+// The normal of the surface that the foremost points around make, at a pixel of this 1 / distance along the axis.
+vec3 surfaceNormal(ivec2 pixel, float inverse) {
+  vec2 sum = vec2(0.0), weight = vec2(0.0);
+  float most = kMostSlope / view.pixels_at_1m * inverse;
+  for (int k = 0; k < 9; ++k) {
+    ivec2 offset = ivec2(k % 3 - 1, k / 3 - 1);
+    float change = uintBitsToFloat(keys[at(pixel + offset)]) - inverse;
+    if (abs(change) > most) continue;  // none, or of another surface
+    sum += vec2(offset) * change;
+    weight += vec2(offset * offset);
+  }
+  vec3 ray_x = view.relative_from_clip[0].xyz * (2.0 / view.size_px.x);
+  vec3 ray_y = view.relative_from_clip[1].xyz * (2.0 / view.size_px.y);
+  vec3 forward = normalize(cross(ray_y, ray_x));
+  return planeNormal(ray, ray_x, ray_y, forward, inverse, sum / max(weight, 1.0));
+}
+
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   uint here = at(pixel);
-  uvec4 sum = sums[here];
+  uvec4 stored = sums[here];
+  uint carry = carries[here];
   // Zero again for the next frame: nothing is added beyond the tiles that are drawn here.
-  if (sum.w != 0u) sums[here] = uvec4(0u);
+  if (stored.w != 0u || carry != 0u) sums[here] = uvec4(0u);
+  if (carry != 0u) carries[here] = 0u;
+  vec4 sum = vec4(stored) + 4294967296.0 * vec4(uvec4(carry, carry >> 10u, carry >> 20u, carry >> 30u) & 1023u);
 #ifdef SURFACES
   uvec2 surface_sum = surfaces[here];
-  if (sum.w != 0u) surfaces[here] = uvec2(0u);
+  if (stored.w != 0u || carry != 0u) surfaces[here] = uvec2(0u);
 #endif
-  float area = float(sum.w) / kPointAreaSteps;
+  float area = sum.w / kPointAreaSteps;
   if (area < least_area) discard;
   uint key = keys[here];
   uint id_at = here;
@@ -50,16 +75,25 @@ void main() {
   gl_FragDepth = view.near_m / along;
 
   Surface s;
-  s.albedo = vec3(sum.rgb) / (255.0 * float(sum.w));
+  s.albedo = sum.rgb / (255.0 * sum.w);
 #ifdef SURFACES
-  vec2 look = vec2(surface_sum) / (255.0 * float(sum.w));
+  // So much that these sums, which nothing is carried from, may not hold it: no bed, but grains in each other.
+  vec2 look = sum.w < 4294967295.0 / 255.0 ? vec2(surface_sum) / (255.0 * sum.w) : surface;
 #else
   vec2 look = surface;
 #endif
   s.metallic = look.y;
   vec3 to_eye = -normalize(ray);
-  s.normal_ws = dot(to_sun, to_sun) > 0.5 ? ballNormal(to_eye, to_sun) : to_eye;
-  s.roughness = look.x;
+  vec3 up = surfaceNormal(pixel, uintBitsToFloat(key));
+  vec3 shares = bedShares(bedSteepness(dot(to_eye, up), kBedPacking * min(area, 1.0)));
+  float height = bedHeight(bedHeights(to_eye, up, shares), sky.x, sky.y);
+  bool sunny = dot(to_sun, to_sun) > 0.5;
+  float base = dot(s.albedo, kLuminance), cosine = 0.0;
+  if (sunny)
+    cosine = bedCosine(to_eye, to_sun, up, shares, height, base * (1.0 - look.y), mix(kDielectricF0, base, look.y), look.x);
+  s.normal_ws = sunny ? bedNormal(to_eye, to_sun, cosine, height)
+                      : bedNormal(to_eye, vec3(0.0, 1.0, 0.0), height, height);
+  s.roughness = max(look.x, kBedLeastRoughness);
 #ifdef MOTION
   vec3 previous = ray * along + view.camera_delta.xyz;
   s.motion_px = motionFromPrevious((view.previous_clip_from_relative * vec4(previous, 1.0)).xyw, gl_FragDepth);

@@ -7,6 +7,7 @@ layout(local_size_x = 64) in;
 struct Seen {
   vec2 pixel_px;
   float along;   // distance along the view axis, m; 0: not in the picture
+  float front;   // of the side that is seen, in the mean
   float radius;  // m
 };
 
@@ -19,5 +20,6 @@ Seen seenOf(SwarmRecord grain) {
   bool inside = clip.w > view.near_m && all(greaterThanEqual(seen.pixel_px, vec2(0.0))) &&
                 all(lessThan(seen.pixel_px, view.size_px));
   seen.along = inside ? clip.w : 0.0;
+  seen.front = max(clip.w - kMeanFront * seen.radius, view.near_m);
   return seen;
 }

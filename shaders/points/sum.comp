@@ -4,6 +4,7 @@
 
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
 layout(std430, binding = kPointSumsBinding) buffer Sums { uint sums[]; };  // r, g, b, area a pixel
+layout(std430, binding = kPointCarriesBinding) buffer Carries { uint carries[]; };
 #ifdef SURFACES
 layout(std430, binding = kPointSurfacesBinding) buffer Surfaces { uint surfaces[]; };  // roughness, metalness
 #endif
@@ -11,16 +12,21 @@ layout(std430, binding = kPointSurfacesBinding) buffer Surfaces { uint surfaces[
 layout(std430, binding = kPointIdsBinding) buffer Ids { uint ids[]; };
 #endif
 
+// What does not fit in a sum is carried to bits of the pixel's own: a number, too, that no order changes.
+uint carryOf(uint at, uint value, uint one) {
+  uint before = atomicAdd(sums[at], value);
+  return before + value < before ? one : 0u;
+}
+
 void add(ivec2 pixel, float area, vec3 color, vec2 surface) {
   if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(view.size_px)))) return;
   uint steps = uint(area * kPointAreaSteps + 0.5);
   if (steps == 0u) return;
   uint pixel_at = uint(pixel.y) * uint(view.size_px.x) + uint(pixel.x), at = 4u * pixel_at;
   uvec3 code = uvec3(color * 255.0 + 0.5) * steps;
-  atomicAdd(sums[at], code.r);
-  atomicAdd(sums[at + 1u], code.g);
-  atomicAdd(sums[at + 2u], code.b);
-  atomicAdd(sums[at + 3u], steps);
+  uint carry = carryOf(at, code.r, 1u) + carryOf(at + 1u, code.g, 1u << 10u) + carryOf(at + 2u, code.b, 1u << 20u) +
+               carryOf(at + 3u, steps, 1u << 30u);
+  if (carry != 0u) atomicAdd(carries[pixel_at], carry);
 #ifdef SURFACES
   uvec2 surface_code = uvec2(surface * 255.0 + 0.5) * steps;
   atomicAdd(surfaces[2u * pixel_at], surface_code.x);
@@ -41,11 +47,11 @@ void main() {
       if (seen.along == 0.0) continue;
       uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
       float pixel_m = seen.along / view.pixels_at_1m;
-      if (seen.along > alongOf(keys[at]) + pointBand(seen.radius, pixel_m)) continue;
+      if (seen.front > alongOf(keys[at]) + pointBand(seen.radius, pixel_m)) continue;
 #ifdef IDS
-      if (pointKey(seen.along) == keys[at]) atomicMax(ids[at], idOf(grain + k));
+      if (pointKey(seen.front) == keys[at]) atomicMax(ids[at], idOf(grain + k));
 #endif
-      float radius_px = seen.radius * swarm.albedo.a / pixel_m;
+      float radius_px = min(seen.radius * swarm.albedo.a / pixel_m, kLargestPointPx);
       vec2 corner = seen.pixel_px - 0.5;
       ivec2 base = ivec2(floor(corner));
       vec4 shares = pointShares(corner - vec2(base)) * (3.14159265 * radius_px * radius_px);

@@ -3,45 +3,138 @@
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "engine/core/random.h"
+#include "shaders/shared/bed.h"
 #include "shaders/shared/points.h"
 
 namespace scree::test {
 namespace {
 
-// Mean over the visible disc of max(0, n . l), by rays on a grid.
-double phaseByRays(double cosine) {
-  const dvec3 light(std::sqrt(1 - cosine * cosine), 0, cosine);
-  constexpr int kSide = 1000;
-  double sum = 0;
-  int hits = 0;
+vec3 direction(uint64_t k, uint32_t at) {
+  const float z = 2 * randomUnit(1, k, 0, at) - 1, a = 6.2831853f * randomUnit(1, k, 0, at + 1), s = std::sqrt(1 - z * z);
+  return {s * std::cos(a), s * std::sin(a), z};
+}
+
+// Means over the sides that face the eye, by a grid on the disc; shares by the polynomial.
+struct Means {
+  double towards = 0, height = 0, height2 = 0;
+};
+Means meansByRays(dvec3 eye, dvec3 light, dvec3 up, dvec3 shares) {
+  const dvec3 x = glm::normalize(glm::cross(std::abs(eye.y) < 0.9 ? dvec3(0, 1, 0) : dvec3(1, 0, 0), eye)), y = glm::cross(eye, x);
+  constexpr int kSide = 300;
+  Means sum;
+  double all = 0;
   for (int j = 0; j < kSide; ++j)
     for (int i = 0; i < kSide; ++i) {
-      const double x = 2 * (i + 0.5) / kSide - 1, y = 2 * (j + 0.5) / kSide - 1, r2 = x * x + y * y;
+      const double px = 2 * (i + 0.5) / kSide - 1, py = 2 * (j + 0.5) / kSide - 1, r2 = px * px + py * py;
       if (r2 > 1) continue;
-      ++hits;
-      sum += std::max(0.0, glm::dot(dvec3(x, y, std::sqrt(1 - r2)), light));
+      const dvec3 n = x * px + y * py + eye * std::sqrt(1 - r2);
+      const double t = glm::dot(n, up), share = shares.x + shares.y * t + shares.z * t * t;
+      all += share;
+      sum.towards += share * std::max(0.0, glm::dot(n, light));
+      sum.height += share * n.y;
+      sum.height2 += share * n.y * n.y;
     }
-  return sum / hits;
+  return {sum.towards / all, sum.height / all, sum.height2 / all};
 }
 
-TEST(Balls, PhaseIsTheMeanOverTheDisc) {
-  for (const double cosine : {-1.0, -0.7, -0.2, 0.0, 0.3, 0.8, 1.0})
-    EXPECT_NEAR(static_cast<double>(rules::ballPhase(static_cast<float>(cosine))), phaseByRays(cosine), 2e-4) << cosine;
+TEST(Bed, MeansAreThoseByRays) {
+  for (uint64_t k = 0; k < 60; ++k) {
+    const vec3 eye = direction(k, 0), light = k % 10 == 0 ? eye : k % 10 == 1 ? -eye : direction(k, 2);
+    vec3 up = direction(k, 4);
+    if (glm::dot(up, eye) < 0) up = -up;
+    const vec3 shares = k % 3 == 0 ? vec3(1, 0, 0) : rules::bedShares(0.1f * static_cast<float>(k % 20));
+    const Means wanted = meansByRays(glm::normalize(dvec3(eye)), glm::normalize(dvec3(light)), glm::normalize(dvec3(up)), shares);
+    EXPECT_NEAR(rules::bedTowards(eye, light, up, shares), wanted.towards, 1e-3) << k;
+    const vec2 heights = rules::bedHeights(eye, up, shares);
+    EXPECT_NEAR(heights.x, wanted.height, 1e-3) << k;
+    EXPECT_NEAR(heights.y, wanted.height2, 1e-3) << k;
+  }
 }
 
-TEST(Balls, NormalReflectsAsTheBallDoes) {
-  for (uint64_t k = 0; k < 10000; ++k) {
-    const auto direction = [&](uint32_t at) {
-      const float z = 2 * randomUnit(1, k, 0, at) - 1, a = 6.2831853f * randomUnit(1, k, 0, at + 1), s = std::sqrt(1 - z * z);
-      return vec3(s * std::cos(a), s * std::sin(a), z);
+TEST(Bed, SharesAreNearTheExponential) {
+  for (const float steepness : {0.0f, 0.5f, 1.0f, 1.5f}) {
+    const vec3 p = rules::bedShares(steepness);
+    for (float x = -1; x <= 1; x += 0.1f) {
+      EXPECT_NEAR(p.x + p.y * x + p.z * x * x, std::exp(steepness * x), 0.05 * std::exp(steepness) + 1e-6) << steepness << " " << x;
+      EXPECT_GT(p.x + p.y * x + p.z * x * x, 0);
+    }
+  }
+}
+
+// The model of shared/bed.h, drawn: balls at random below a plane, and a ray that is to reach a side of one.
+TEST(Bed, SteepnessIsThatOfBallsAtRandom) {
+  for (const double facing : {0.15, 0.35, 0.7, 1.0}) {
+    const double density = static_cast<double>(rules::kBedPacking) / (4.0 / 3 * 3.14159265358979);
+    const double slant = std::sqrt(1 - facing * facing);
+    // Volume of the tube above a point at this depth, by slices along the normal of the plane.
+    const auto volume = [&](double depth) {
+      double sum = 0;
+      constexpr double kStep = 0.02;
+      for (double z = -1; z < depth; z += kStep)  // height above the point
+        for (double x = -1; x < 1 + std::max(0.0, z) * slant / facing + 1 / facing; x += 0.02) {
+          // Across the plane of slant: a chord of the tube or of the ball where it begins.
+          const double along = z * facing + x * slant, aside = -z * slant + x * facing;
+          const double room = along > 0 ? 1 - aside * aside : 1 - z * z - x * x;
+          if (room > 0) sum += 2 * std::sqrt(room) * 0.02 * kStep;
+        }
+      return sum;
     };
-    const vec3 eye = direction(0), light = k % 10 == 0 ? eye : k % 10 == 1 ? -eye : direction(2);
-    const vec3 n = rules::ballNormal(eye, light);
-    EXPECT_NEAR(glm::length(n), 1, 1e-5);
-    EXPECT_NEAR(glm::dot(n, light), rules::ballPhase(glm::dot(eye, light)), 1e-5);
+    double shares = 0, last = 0;
+    constexpr double kDepth = 0.05;
+    const double at_plane = std::exp(-density * volume(0));
+    for (double depth = 0; depth < 12; depth += kDepth) {
+      last = std::exp(-density * volume(depth + kDepth / 2));
+      shares += last * kDepth;
+    }
+    const double wanted = at_plane / shares;  // - d log(integral from a) / da at a = 0
+    const double got = rules::bedSteepness(static_cast<float>(facing), rules::kBedPacking);
+    std::printf("facing %.2f: steepness %.3f, of balls at random %.3f\n", facing, got, wanted);
+    EXPECT_NEAR(got, wanted, 0.1 * wanted);
+  }
+}
+
+TEST(Bed, NormalHasBothCosinesWhereItCan) {
+  int both = 0;
+  for (uint64_t k = 0; k < 10000; ++k) {
+    const vec3 eye = direction(k, 0), light = k % 10 == 0 ? eye : k % 10 == 1 ? vec3(0, 1, 0) : direction(k, 2);
+    const float cosine = randomUnit(4, k, 0, 0), height = 2 * randomUnit(4, k, 0, 1) - 1;
+    const vec3 n = rules::bedNormal(eye, light, cosine, height);
+    EXPECT_NEAR(glm::length(n), 1, 1e-4);
+    EXPECT_NEAR(glm::dot(n, light), cosine, 1e-4);
+    both += std::abs(n.y - height) < 1e-3f;
+  }
+  EXPECT_GT(both, 4000);
+}
+
+TEST(Bed, HeightGivesTheSkyOfTheMeans) {
+  for (uint64_t k = 0; k < 1000; ++k) {
+    const auto unit = [&](uint32_t at) { return 2 * randomUnit(5, k, 0, at) - 1; };
+    const float mean = 0.8f * unit(0), linear = unit(1), square = 0.3f * unit(2);
+    const float of_square = mean * mean + 0.1f;
+    const float y = rules::bedHeight(vec2(mean, of_square), linear, square);
+    if (std::abs(y) < 1 && std::abs(linear + 2 * square * mean) > 0.5f) {
+      EXPECT_NEAR(linear * y + square * y * y, linear * mean + square * of_square, 1e-4) << k;
+    }
+    EXPECT_LE(std::abs(y), 1);
+  }
+}
+
+TEST(Bed, NormalOfAPlaneIsFound) {
+  for (uint64_t k = 0; k < 1000; ++k) {
+    const vec3 forward = direction(k, 0);
+    const vec3 right = glm::normalize(glm::cross(std::abs(forward.y) < 0.9f ? vec3(0, 1, 0) : vec3(1, 0, 0), forward)), above = glm::cross(forward, right);
+    const vec3 x = right * 0.01f, y = above * 0.01f, ray = forward + x * 20.0f + y * -30.0f;
+    vec3 n = direction(k, 2);
+    if (glm::dot(n, ray) > 0) n = -n;
+    if (glm::dot(n, ray) > -0.05f) continue;
+    const auto inverse = [&](vec3 r) { return glm::dot(n, r) / -5.0f; };
+    const vec3 got = rules::planeNormal(ray, x, y, forward, inverse(ray), vec2(inverse(ray + x) - inverse(ray), inverse(ray + y) - inverse(ray)));
+    EXPECT_GT(glm::dot(got, n), 0.9999f) << k;
   }
 }
 
