@@ -1,4 +1,5 @@
-// Sixteen floats in lock step: AVX-512. Included by lanes.h.
+// Sixteen floats in lock step: AVX-512.
+// Included several times, once for each instruction set: see lanes.h.
 
 namespace scree::simd::SCREE_LANES {
 

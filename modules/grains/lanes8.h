@@ -1,4 +1,5 @@
-// Eight floats in lock step: AVX2, AVX-512, or two fours. Included by lanes.h.
+// Eight floats in lock step: AVX2, AVX-512, or two fours.
+// Included several times, once for each instruction set: see lanes.h.
 
 namespace scree::simd::SCREE_LANES {
 
