@@ -193,7 +193,8 @@ def check_includes(tree):
                 continue
             reason = refuse_include(tree, path, target)
             if reason is None:
-                in_shaders = path.startswith("shaders/") and not target.startswith(("shaders/", "engine/"))
+                glsl = pathlib.PurePath(path).suffix in GLSL
+                in_shaders = (path.startswith("shaders/") or glsl) and not target.startswith(("shaders/", "engine/"))
                 resolved = f"shaders/{target}" if in_shaders else target
                 reason = None if resolved in files else "no such file"
             if reason:
