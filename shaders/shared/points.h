@@ -8,9 +8,9 @@ RULES_BEGIN
 const int kPointCarriesBinding = kCandidateMapBinding;
 
 // Sums are kept in whole numbers, whose order of addition does not matter: areas in this part of a pixel.
-// Colours of up to 255 times 1,024 pixels of area fit in 32 bits, and 1,023 times that with ten bits of carries;
-// so does the area itself with two.
-const float kPointAreaSteps = 16384.0f;
+// Colours of up to 255 times 2,056 pixels of area fit in 32 bits, and 1,024 times that with ten bits of carries;
+// so does the area itself with two: a million of the largest grains at one place.
+const float kPointAreaSteps = 8192.0f;
 
 // No point is larger: of one made larger, nothing but its middle is drawn. Radius, pixels.
 const float kLargestPointPx = 1.0f;
