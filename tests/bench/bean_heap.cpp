@@ -12,8 +12,6 @@
 #include "engine/core/log.h"
 #include "engine/core/random.h"
 #include "engine/gpu/gl.h"
-#include "engine/gpu/load.h"
-#include "engine/platform/context.h"
 #include "modules/deferred/deferred.h"
 #include "modules/impostors/impostors.h"
 #include "modules/occlusion/occlusion.h"
@@ -61,16 +59,6 @@ Heap makeHeap(size_t about) {
         heap.beans.push_back(bean);
       }
   return heap;
-}
-
-void openContext() {
-  static std::unique_ptr<Context> context;
-  if (context) return;
-  Result<std::unique_ptr<Context>> made = makeContext({.kind = ContextKind::Egl, .size = {64, 64}});
-  if (!made.ok()) fail(made.error());
-  context = std::move(*made);
-  context->makeCurrent();
-  if (Status loaded = gpu::loadFunctions(context->getProcAddress()); !loaded.ok()) fail(loaded.error());
 }
 
 HeapScene::HeapScene(const Heap& beans, const std::filesystem::path& atlas, Kind kind) {

@@ -21,9 +21,6 @@ struct Heap {
 };
 Heap makeHeap(size_t about);
 
-// Makes the one GL context of the process, if there is none.
-void openContext();
-
 // The heap in an app of its own, with what draws swarms, or `bare`: with the shape alone.
 struct HeapScene {
   App app{AppOptions{}};

@@ -10,25 +10,15 @@
 #include "engine/gpu/gl.h"
 #include "engine/gpu/load.h"
 #include "engine/gpu/readback.h"
-#include "engine/platform/context.h"
 #include "modules/deferred/deferred.h"
 #include "modules/scene/scene.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/gl_context.h"
 
 namespace scree::bench {
 namespace {
 
 constexpr ivec2 kSize{640, 360};
-
-void openContext() {
-  static std::unique_ptr<Context> context;
-  if (context) return;
-  Result<std::unique_ptr<Context>> made = makeContext({.kind = ContextKind::Egl, .size = {64, 64}});
-  if (!made.ok()) fail(made.error());
-  context = std::move(*made);
-  context->makeCurrent();
-  if (Status loaded = gpu::loadFunctions(context->getProcAddress()); !loaded.ok()) fail(loaded.error());
-}
 
 MeshData box() {
   MeshData m;

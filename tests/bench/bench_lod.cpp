@@ -17,6 +17,7 @@
 #include "modules/deferred/deferred.h"
 #include "tests/bench/bean_heap.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/gl_context.h"
 #include "tests/bench/raster_impostors.h"
 
 namespace scree::bench {

@@ -9,6 +9,7 @@
 #include "engine/gpu/readback.h"
 #include "tests/bench/bean_heap.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/gl_context.h"
 
 namespace scree::bench {
 namespace {
@@ -20,7 +21,8 @@ double drawnBy(HeapScene& scene) {
   for (size_t k = 0; k < drawn.size(); ++k) {
     rules::SwarmCommands commands{};
     gpu::readBuffer(*drawn.part(k).commands, &commands, sizeof(commands));
-    count += commands.count[rules::kImpostor] + commands.count[rules::kFirstImpostor];
+    for (const uint32_t r : {rules::kImpostor, rules::kSmallImpostor})
+      count += commands.count[r] + commands.count[r + rules::kFirst];
   }
   return count;
 }

@@ -13,29 +13,19 @@
 #include "engine/gpu/gl.h"
 #include "engine/gpu/load.h"
 #include "engine/gpu/readback.h"
-#include "engine/platform/context.h"
 #include "modules/deferred/deferred.h"
 #include "modules/lod/lod.h"
 #include "modules/occlusion/occlusion.h"
 #include "modules/points/points.h"
 #include "modules/scene/scene.h"
 #include "tests/bench/bench.h"
+#include "tests/bench/gl_context.h"
 
 namespace scree::bench {
 namespace {
 
 constexpr ivec2 kSize{640, 360};
 constexpr int kTruthSamples = 16;
-
-void openContext() {
-  static std::unique_ptr<Context> context;
-  if (context) return;
-  Result<std::unique_ptr<Context>> made = makeContext({.kind = ContextKind::Egl, .size = {64, 64}});
-  if (!made.ok()) fail(made.error());
-  context = std::move(*made);
-  context->makeCurrent();
-  if (Status loaded = gpu::loadFunctions(context->getProcAddress()); !loaded.ok()) fail(loaded.error());
-}
 
 // An octahedron whose triangles were split in four twice, corners on the unit sphere.
 MeshData ballMesh() {
