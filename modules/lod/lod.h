@@ -126,8 +126,8 @@ struct LodSettings {
   uint32_t only = rules::kNotDrawn;
 };
 
-// Sizes (outer radii in pixels) at which one representation follows the other. A point is off by about its
-// radius, and shows on few pixels; a mesh level by its error; an impostor by what was measured.
+// Sizes (outer radii in pixels) at which one representation follows the other. A point is off by two
+// thirds of its radius, and shows on few pixels; a mesh level by its error; an impostor by what was measured.
 struct LodThresholds {
   float point_px = 0, impostor_from_px = 0, impostor_px = 0;
   float mesh_px[rules::kMeshLevels] = {};

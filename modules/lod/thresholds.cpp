@@ -8,6 +8,8 @@ namespace {
 
 // A point shows on 2 x 2 pixels at most.
 constexpr float kMostPointPx = 0.75f;
+// Mean distance of a disc's points from its centre / radius: what a point is off by.
+constexpr float kPointError = 2.0f / 3;
 
 }  // namespace
 
@@ -32,7 +34,7 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings)
     return t;
   }
   const bool only_impostors = settings.only == rules::kImpostor || settings.only == rules::kSmallImpostor;
-  if (!only_impostors) t.point_px = std::min(tolerance, kMostPointPx);
+  if (!only_impostors) t.point_px = std::min(tolerance / kPointError, kMostPointPx);
   if (only_impostors && !shape.impostor.empty()) {
     t.impostor_px = kEver;
     return t;

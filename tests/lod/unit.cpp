@@ -68,7 +68,7 @@ GrainShape measuredShape() {
 
 TEST(Thresholds, FollowTheMeasuredErrors) {
   LodThresholds t = thresholdsOf(measuredShape(), {.tolerance_px = 0.5f});
-  EXPECT_FLOAT_EQ(t.point_px, 0.5f);
+  EXPECT_FLOAT_EQ(t.point_px, 0.75f);
   EXPECT_FLOAT_EQ(t.impostor_from_px, 0);
   EXPECT_FLOAT_EQ(t.impostor_px, 16);
   EXPECT_FLOAT_EQ(t.mesh_px[1], 50);
@@ -105,7 +105,7 @@ TEST(Representation, ErrorIsWithinTheToleranceAtEverySize) {
   for (float size = 0.01f; size < 1000; size *= 1.01f) {
     const uint32_t r = rules::representationOf(size, rules::kNotDrawn, block);
     float error = 0;
-    if (r == rules::kPoint) error = size;
+    if (r == rules::kPoint) error = size * 2 / 3;
     if (r == rules::kImpostor || r == rules::kSmallImpostor)
       for (const SizeError& e : shape.impostor) {
         error = e.silhouette_px;
@@ -123,7 +123,7 @@ TEST(Representation, ErrorIsWithinTheToleranceAtEverySize) {
 
 TEST(Representation, TremblingAtAThresholdSwitchesOnce) {
   const rules::SwarmBlock block = blockOf(thresholdsOf(measuredShape(), {.tolerance_px = 0.5f}), 0.05f);
-  for (const float threshold : {0.5f, 16.0f, 50.0f}) {
+  for (const float threshold : {0.75f, 16.0f, 50.0f}) {
     uint32_t r = rules::representationOf(threshold * 0.999f, rules::kNotDrawn, block);
     int switches = 0;
     for (int k = 0; k < 1000; ++k) {
