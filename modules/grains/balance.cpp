@@ -30,10 +30,6 @@ bool uneasy(const Load& load, float weight, float share = 1) {
          !(glm::dot(load.moment, load.moment) <= most * most);
 }
 
-float pullBetween(const Sleeper& a, const Sleeper& b) {
-  return pullOf(a.material.cohesion, b.material.cohesion, reducedRadius(a.radius, b.radius));
-}
-
 void addTouch(Load& load, const Touch& touch) {
   load.impulse += touch.impulse;
   load.moment += glm::cross(touch.arm, touch.impulse);
@@ -110,6 +106,11 @@ constexpr float kAim = 0.1f;
 
 }  // namespace
 
+float Sleepers::pullBetween(uint32_t a, uint32_t b) const {
+  return pullOf(materialOf(a).cohesion, materialOf(b).cohesion,
+                reducedRadius(sleeper_[a].radius, sleeper_[b].radius));
+}
+
 bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Touch> outer,
                        std::vector<uint32_t>& touched) {
   // Arms are measured from the centre of mass, in radii of the largest member.
@@ -117,7 +118,7 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
   vec3 centre(0);
   eachOfClump(berth, [&](uint32_t member) {
     const Sleeper& own = sleeper_[member];
-    const float m = grainMass(own.radius, own.material.density);
+    const float m = massOf(member);
     mass += m;
     centre += m * own.position;
     size = std::max(size, own.radius);
@@ -148,11 +149,12 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
   eachOfClump(berth, [&](uint32_t member) {
     const Sleeper& own = sleeper_[member];
     for (uint32_t at = own.pairs; at != kNoSlot; at = pair_.node[at].nextOf(member)) {
-      const Sleeper& other = sleeper_[pair_.node[at].other(member)];
+      const uint32_t partner = pair_.node[at].other(member);
+      const Sleeper& other = sleeper_[partner];
       const vec3 normal = normalOf(own, other);
       touches_.push_back({member, normal, pair_.node[at].impulseOn(member),
-                          std::sqrt(own.material.friction * other.material.friction),
-                          pullBetween(own, other), armOf(member, normal)});
+                          std::sqrt(materialOf(member).friction * materialOf(partner).friction),
+                          pullBetween(member, partner), armOf(member, normal)});
     }
     for (uint32_t at = own.walls; at != kNoSlot; at = wall_.node[at].next) {
       const WallNode& node = wall_.node[at];

@@ -9,6 +9,7 @@
 #include "engine/core/parallel.h"
 #include "engine/ecs/entity.h"
 #include "modules/grains/grains.h"
+#include "modules/grains/materials.h"
 #include "modules/grains/room.h"
 
 namespace scree::grains {
@@ -42,19 +43,21 @@ inline constexpr uint32_t kAwake = 0xffffffffu, kGone = 0xfffffffeu;
 struct Bodies {
   std::vector<Body> body;  // grains by slot, then idle bodies that fill up batches
   std::vector<Entity> entity;
-  std::vector<GrainMaterial> material;
-  std::vector<Reference> reference;
+  std::vector<uint32_t> material;  // among `materials`
+  std::vector<float> margin;       // of its Reference, whose position the grid has
   std::vector<uint32_t> berth;  // of a sleeper, among Sleepers; kAwake; kGone
   std::vector<uint32_t> clump;  // of a member awake, among Clumps; kNoSlot; empty: no clump is awake
   uint32_t count = 0;  // grains
+  Materials materials;
 
+  const GrainMaterial& materialOf(uint32_t slot) const { return materials[material[slot]]; }
   // Of what is known of a grain; of clumps it is found out anew.
   template <class Visit>
   void eachColumn(const Visit& visit) {
     visit(body);
     visit(entity);
     visit(material);
-    visit(reference);
+    visit(margin);
     visit(berth);
   }
   void move(uint32_t from, uint32_t to) {
@@ -68,6 +71,8 @@ struct Bodies {
       column.resize(n);
       if (smaller > 0) shrinkTo(column, smaller);
     });
+    if (materials.stale(n))
+      materials.renew([&](const auto& visit) { for (uint32_t& number : material) visit(number); });
   }
   // From now on k is what order[k] was; in place, along the order's cycles. Uses the order up.
   void permute(std::span<uint32_t> order);
@@ -81,8 +86,8 @@ inline void Bodies::permute(std::span<uint32_t> order) {
     if (order[first] == first) continue;
     const Body first_body = body[first];
     const Entity first_entity = entity[first];
-    const GrainMaterial first_material = material[first];
-    const Reference first_reference = reference[first];
+    const uint32_t first_material = material[first];
+    const float first_margin = margin[first];
     const uint32_t first_berth = berth[first];
     uint32_t to = first;
     for (uint32_t from = order[to]; from != first; from = order[to]) {
@@ -94,7 +99,7 @@ inline void Bodies::permute(std::span<uint32_t> order) {
     body[to] = first_body;
     entity[to] = first_entity;
     material[to] = first_material;
-    reference[to] = first_reference;
+    margin[to] = first_margin;
     berth[to] = first_berth;
   }
 }

@@ -38,7 +38,7 @@ bool lacksField(const Collider& collider) {
 float reachOf(const Bodies& bodies, uint32_t i, const Going& going) {
   const vec3 relative = bodies.body[i].velocity - going.drift;
   const float way = going.h * going.h * glm::dot(relative, relative);
-  float margin = bodies.reference[i].margin;
+  float margin = bodies.margin[i];
   if (way > margin * margin) margin = std::sqrt(way);  // it is searched for in every substep
   return bodies.body[i].radius + margin + going.extra;
 }
@@ -121,7 +121,7 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
     own.end = s < slab_count ? grid.slabEnd(s) : 0;
   }
   const Worth worth = worthOf(bodies.count, kFewGrains);
-  scratch_.resize(worth == Worth::OneThread ? 1 : static_cast<size_t>(threadCount()));
+  scratch_.resize(static_cast<size_t>(threadCount()));
   for (Scratch& scratch : scratch_) {
     scratch.contact.clear();
     fitTo(scratch.contact, most_listed_);
@@ -138,7 +138,7 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
   };
   const auto listSlab = [&](size_t s) -> const Scratch& {
     Scratch& scratch = scratch_[threadIndex()];
-    list(static_cast<uint32_t>(s), bodies, going, scratch);
+    list(static_cast<uint32_t>(s), grid, bodies, going, scratch);
     for (ColliderContact& contact : scratch.contact) takeOver(contact, over);
     return scratch;
   };
@@ -195,8 +195,8 @@ void ColliderLists::takeOver(ColliderContact& contact, const TakeOver& over) con
   }
 }
 
-void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going,
-                         Scratch& scratch) const {
+void ColliderLists::list(uint32_t s, const Grid& grid, const Bodies& bodies,
+                         const Going& going, Scratch& scratch) const {
   const ColliderSlab& own = slab[s];
   std::vector<uint32_t>& near = scratch.near;
   scratch.contact.clear();
@@ -204,7 +204,7 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going,
   for (uint32_t i = own.begin; i < own.end; ++i) {
     if (!isAwake(bodies, i)) continue;
     const float reach = reachOf(bodies, i, going);
-    const vec3 at = bodies.reference[i].position + going.drifted;
+    const vec3 at = grid.listedAt(i) + going.drifted;
     bounds.min = glm::min(bounds.min, at - reach);
     bounds.max = glm::max(bounds.max, at + reach);
   }
@@ -224,7 +224,7 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going,
   for (uint32_t i = own.begin; i < own.end; ++i) {
     if (!isAwake(bodies, i)) continue;
     const float reach = reachOf(bodies, i, going);
-    const vec3 at = bodies.reference[i].position + going.drifted;
+    const vec3 at = grid.listedAt(i) + going.drifted;
     const Bounds own_bounds{at - reach, at + reach};
     for (const uint32_t k : near) {
       const Swept& swept = swept_[k];
@@ -245,11 +245,11 @@ void ColliderLists::list(uint32_t s, const Bodies& bodies, const Going& going,
       contact.grain = i;
       contact.collider = k;
       contact.key = collider.key;
-      contact.friction = std::sqrt(bodies.material[i].friction * collider.friction);
+      contact.friction = std::sqrt(bodies.materialOf(i).friction * collider.friction);
       contact.rolling_friction =
-          std::max(bodies.material[i].rolling_friction, collider.rolling_friction);
-      contact.restitution = std::max(bodies.material[i].restitution, collider.restitution);
-      contact.pull = pullOf(bodies.material[i].cohesion, collider.cohesion, radius);
+          std::max(bodies.materialOf(i).rolling_friction, collider.rolling_friction);
+      contact.restitution = std::max(bodies.materialOf(i).restitution, collider.restitution);
+      contact.pull = pullOf(bodies.materialOf(i).cohesion, collider.cohesion, radius);
       contact.guarded = collider.shape == Shape::Field || swept.thickness < 0.5f * radius ||
                         swept.motion * going.share > 0.5f * radius;
       if (collider.shape != Shape::Field) {

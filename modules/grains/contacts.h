@@ -336,7 +336,7 @@ class ColliderLists : public ColliderArrays {
     std::span<const JoiningWall> joining;
     uint32_t slabs;  // before
   };
-  void list(uint32_t s, const Bodies& bodies, const Going& going, Scratch& scratch) const;
+  void list(uint32_t s, const Grid& grid, const Bodies& bodies, const Going& going, Scratch& scratch) const;
   void takeOver(ColliderContact& contact, const TakeOver& over) const;
   // Lets the slabs have their parts of the array.
   void shareOut();

@@ -88,7 +88,7 @@ void GrainSolver::findPushed(const StepParameters& parameters) {
   for (const Blow& blow : parameters.blows) {
     sleepers_.near(blow.centre - blow.radius, blow.centre + blow.radius, [&](uint32_t berth) {
       const Sleeper& sleeper = sleepers_[berth];
-      const vec3 kick = kickOf(blow, sleeper.position, sleeper.radius, sleeper.material.density);
+      const vec3 kick = kickOf(blow, sleeper.position, sleeper.radius, sleepers_.materialOf(berth).density);
       if (length(kick) >= kStirred) waking_.push_back(berth);
     });
   }
@@ -116,7 +116,7 @@ void GrainSolver::strikeBlows(std::span<const Blow> blows) {
     for (uint32_t k = 0; k < bodies_.count; ++k) {
       if (!isAwake(bodies_, k)) continue;
       Body& body = bodies_.body[k];
-      const vec3 kick = kickOf(blow, body.position, body.radius, bodies_.material[k].density);
+      const vec3 kick = kickOf(blow, body.position, body.radius, bodies_.materialOf(k).density);
       body.velocity += kick;
     }
   }

@@ -78,7 +78,7 @@ void Grid::chooseLevels(const Bodies& bodies) {
   std::array<float, kSizeClasses> top{};
   float largest = 0;
   for (uint32_t i = 0; i < n; ++i) {
-    const float size = 2 * (bodies.body[i].radius + bodies.reference[i].margin);
+    const float size = 2 * (bodies.body[i].radius + bodies.margin[i]);
     const float mantissa = std::bit_cast<float>((std::bit_cast<uint32_t>(size) & 0x7fffffu) |
                                                 0x3f800000u);  // in [1, 2)
     const size_t c = static_cast<size_t>((mantissa - 1) * kSizeClasses);
@@ -110,7 +110,7 @@ void Grid::chooseLevels(const Bodies& bodies) {
 
   std::array<uint32_t, kMostLevels> members{};
   for (uint32_t i = 0; i < n; ++i) {
-    const float size = 2 * (bodies.body[i].radius + bodies.reference[i].margin) * kSlack;
+    const float size = 2 * (bodies.body[i].radius + bodies.margin[i]) * kSlack;
     int halvings = 0;
     for (float c = cell; halvings + 1 < kMostLevels && 0.5f * c >= size; c *= 0.5f) ++halvings;
     level_of_[i] = static_cast<uint8_t>(halvings);
@@ -200,6 +200,11 @@ uint32_t Grid::bucketRow(const Level& level, int32_t y, int32_t z) const {
   const uint32_t wrapped_y = static_cast<uint32_t>(y) & level.mask_y;
   return slab * buckets_a_slab_ + level.offset +
          (((layer << level.bits_y) + wrapped_y) << level.bits_x);
+}
+
+void Grid::keepSearch(Workspace& workspace) {
+  level_of_ = workspace.keep(level_of_);
+  bucket_begin_ = workspace.keep(bucket_begin_);
 }
 
 size_t Grid::memoryBytes() const {

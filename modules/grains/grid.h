@@ -40,6 +40,8 @@ class Grid {
   // workspace then, the order excepted, is there for the search.
   std::span<uint32_t> plan(const Bodies& bodies, Workspace& workspace);
 
+  // Keeps its part of a workspace that was given back.
+  void keepSearch(Workspace& workspace);
   // After the bodies were put in that order: copies what the search reads.
   void read(const Bodies& bodies);
 
@@ -70,8 +72,16 @@ class Grid {
   // of another one there. `met`: working memory.
   bool moveAlone(uint32_t slot, vec3 position, float reach, std::vector<uint32_t>& met);
 
-  // What a search left behind, from where its slabs begin (one more than there are slabs) and the
-  // bodies' references. Nothing can be searched for before the next plan().
+  // Where the grain was at the last search, or when it was moved alone; it must be listed.
+  vec3 listedAt(uint32_t slot) const { return {x_[slot], y_[slot], z_[slot]}; }
+  // Of one that is not listed yet: where it is.
+  Reference referenceOf(const Bodies& bodies, uint32_t slot) const {
+    return {slot < listed_ ? listedAt(slot) : bodies.body[slot].position, bodies.margin[slot]};
+  }
+
+  // What a search left behind: where slot after slot was listed, and then where the slabs begin (one
+  // more than there are slabs) and the bodies. Nothing can be searched for before the next plan().
+  void restore(uint32_t slot, vec3 listed_at);
   void restore(std::span<const uint32_t> slab_begin, const Bodies& bodies);
 
   size_t memoryBytes() const;
@@ -89,6 +99,7 @@ class Grid {
     int ask_count = 0;
   };
   void chooseLevels(const Bodies& bodies);
+  void fillReaches(const Bodies& bodies);
   void chooseSizes(const Bodies& bodies);
   void chooseSides();
   uint32_t bucketRow(const Level& level, int32_t y, int32_t z) const;
@@ -104,6 +115,7 @@ class Grid {
   std::vector<uint32_t> slab_begin_;  // one more than there are slabs
   std::vector<float> x_, y_, z_, radius_, reach_;
   Need need_;  // of their lengths
+  uint32_t listed_ = 0;  // grains
   // In the workspace.
   std::span<uint32_t> bucket_begin_;
   std::span<uint8_t> level_of_;  // by old slot in plan(), then by slot

@@ -13,25 +13,47 @@ void Grid::read(const Bodies& bodies) {
     if (smaller > 0) shrinkTo(*column, smaller);
     remake(*column, padded);
   }
+  listed_ = n;
   for (uint32_t k = 0; k < n; ++k) {
-    const Reference& reference = bodies.reference[k];
-    x_[k] = reference.position.x;
-    y_[k] = reference.position.y;
-    z_[k] = reference.position.z;
-    radius_[k] = bodies.body[k].radius;
-    reach_[k] = radius_[k] + reference.margin;
+    const vec3 p = bodies.body[k].position;
+    x_[k] = p.x;
+    y_[k] = p.y;
+    z_[k] = p.z;
   }
-  for (uint32_t k = n; k < padded; ++k) {  // read by the last group, then masked out
+  fillReaches(bodies);
+}
+
+void Grid::fillReaches(const Bodies& bodies) {
+  for (uint32_t k = 0; k < listed_; ++k) {
+    radius_[k] = bodies.body[k].radius;
+    reach_[k] = radius_[k] + bodies.margin[k];
+  }
+  for (uint32_t k = listed_; k < listed_ + kMostLanes; ++k) {  // read by the last group, then masked out
     x_[k] = y_[k] = z_[k] = 0;
     radius_[k] = reach_[k] = 0;
   }
+}
+
+void Grid::restore(uint32_t slot, vec3 listed_at) {
+  for (std::vector<float>* column : {&x_, &y_, &z_}) {
+    makeRoomFor(*column, slot + 1);
+    column->resize(slot + 1);
+  }
+  x_[slot] = listed_at.x;
+  y_[slot] = listed_at.y;
+  z_[slot] = listed_at.z;
 }
 
 void Grid::restore(std::span<const uint32_t> slab_begin, const Bodies& bodies) {
   slabs_ = static_cast<uint32_t>(slab_begin.size() - 1);
   slab_begin_.assign(slab_begin.begin(), slab_begin.end());
   level_count_ = 0;
-  read(bodies);
+  listed_ = slab_begin.back();
+  for (std::vector<float>* column : {&x_, &y_, &z_, &radius_, &reach_}) {
+    makeRoomFor(*column, listed_ + kMostLanes);
+    column->resize(listed_ + kMostLanes);
+  }
+  fillReaches(bodies);
 }
 
 // Collects the ranges to look at, so that the kernel is called for many at once.

@@ -35,7 +35,8 @@ void PairLists::build(const Grid& grid, const Bodies& bodies, const PairLists& o
   if (slab.size() < slab_count) slab.resize(slab_count);
   listed_ = bodies.count;
   rolling = bouncing = cohesive = false;
-  for (const GrainMaterial& material : std::span(bodies.material).first(bodies.count)) {
+  for (uint32_t k = 0; k < bodies.count; ++k) {
+    const GrainMaterial& material = bodies.materialOf(k);
     rolling = rolling || material.rolling_friction > 0;
     bouncing = bouncing || material.restitution > 0;
     cohesive = cohesive || material.cohesion > 0;
@@ -153,7 +154,7 @@ void PairLists::find(const Grid& grid, const Bodies& bodies) {
     const uint32_t above = grid.slabAbove(s);
     most = std::max<size_t>(most, grid.slabEnd(s) - grid.slabBegin(s) + grid.slabEnd(above) - grid.slabBegin(above));
   }
-  scratch_.resize(worth == Worth::OneThread ? 1 : static_cast<size_t>(threadCount()));
+  scratch_.resize(static_cast<size_t>(threadCount()));
   for (Scratch& scratch : scratch_) {
     scratch.taken.remake(most);
     scratch.found.clear();
@@ -310,7 +311,7 @@ void PairLists::fillIdle(uint32_t s) {
 
 void PairLists::mixMaterials(PairSlab& own, uint32_t contact, const Bodies& bodies) const {
   const uint32_t b = contact / kBatch, lane = contact % kBatch;
-  const GrainMaterial &i = bodies.material[own.i[contact]], &j = bodies.material[own.j[contact]];
+  const GrainMaterial &i = bodies.materialOf(own.i[contact]), &j = bodies.materialOf(own.j[contact]);
   if (rolling) own.rolling[b].friction[lane] = std::max(i.rolling_friction, j.rolling_friction);
   if (bouncing) own.bouncing[b].restitution[lane] = std::max(i.restitution, j.restitution);
   if (cohesive) {

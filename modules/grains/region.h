@@ -96,7 +96,7 @@ void eachGrainNear(GrainsState& state, vec3 low, vec3 high, const Visit& visit) 
   eachSleeperNear(state, low, high, [&](uint32_t berth) {
     const Sleeper& sleeper = state.solver.sleepers()[berth];
     visit(SeenGrain{sleeper.entity, sleeper.position, sleeper.radius, vec3(0),
-                    sleeper.material.density});
+                    state.solver.sleepers().materialOf(berth).density});
   });
 }
 

@@ -45,7 +45,7 @@ Sum sumOfSleepers(GrainsState& state, const Region& region, const RegionOfSleepe
   Sum sum;
   eachSleeperNear(state, region.low, region.high, [&](uint32_t berth) {
     const Sleeper& sleeper = state.solver.sleepers()[berth];
-    if (region.holds(sleeper.position)) sum.add(sleeper.radius, sleeper.material.density);
+    if (region.holds(sleeper.position)) sum.add(sleeper.radius, state.solver.sleepers().materialOf(berth).density);
   });
   kept = now;
   kept.count = sum.count;

@@ -47,7 +47,7 @@ void GrainSolver::findDisturbed(std::span<const Collider> colliders,
     const PosedCollider begin = poseCollider(swept, 0, 0, 0);
     sleepers_.near(bounds.min, bounds.max, [&](uint32_t berth) {
       const Sleeper& sleeper = sleepers_[berth];
-      const float reach = (sleeper.material.cohesion > 0 ? 1.01f + kReach : 1.01f) * sleeper.radius;
+      const float reach = (sleepers_.materialOf(berth).cohesion > 0 ? 1.01f + kReach : 1.01f) * sleeper.radius;
       if (!apart(sleeper.position - reach, sleeper.position + reach, bounds) &&
           nearestSurface(begin, sleeper.position).distance < reach + motion)
         waking_.push_back(berth);
@@ -104,9 +104,10 @@ void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
   partners_.clear();
   for (const uint32_t berth : waking_) {
     const Sleeper sleeper = sleepers_[berth];
+    const GrainMaterial material = sleepers_.materialOf(berth);
     sleepers_.wake(berth, woken_pairs_, woken_walls_, partners_);
     const uint32_t slot = sleeper.slot != kNoSlot ? sleeper.slot
-                                                  : appendBody(sleeper.entity, sleeper.material,
+                                                  : appendBody(sleeper.entity, material,
                                                                sleeper.position, sleeper.radius);
     bodies_.berth[slot] = kAwake;
     setPlace(sleeper.entity, slot);
@@ -191,7 +192,7 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     uint8_t& settled = settled_[awake.slot];
     if (settled != kStill) continue;
     const Body& body = bodies_.body[awake.slot];
-    float mass = grainMass(body.radius, bodies_.material[awake.slot].density);
+    float mass = grainMass(body.radius, bodies_.materialOf(awake.slot).density);
     Load load = load_[awake.slot];
     if (!bodies_.clump.empty()) loadOfClump(awake.slot, mass, load);
     if (length(load.impulse + mass * gravity_step) >
@@ -231,8 +232,8 @@ void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_ste
                                           .radius = body.radius,
                                           .slot = awake.slot,
                                           .row = awake.row,
-                                          .entity = bodies_.entity[awake.slot],
-                                          .material = bodies_.material[awake.slot]});
+                                          .entity = bodies_.entity[awake.slot]},
+                                         bodies_.materialOf(awake.slot));
     body.velocity = body.spin = vec3(0);
     body.inverse_mass = body.gravity_scale = 0;
     bodies_.berth[awake.slot] = berth;

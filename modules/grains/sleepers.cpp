@@ -60,7 +60,7 @@ void Sleepers::growTable() {
   each([&](uint32_t berth) { putInBucket(berth); });
 }
 
-uint32_t Sleepers::lay(const Sleeper& sleeper) {
+uint32_t Sleepers::lay(const Sleeper& sleeper, const GrainMaterial& material) {
   uint32_t berth = free_;
   if (berth == kNoSlot) {
     berth = static_cast<uint32_t>(sleeper_.size());
@@ -71,6 +71,9 @@ uint32_t Sleepers::lay(const Sleeper& sleeper) {
   }
   Sleeper& own = sleeper_[berth] = sleeper;
   own.pairs = own.walls = own.slot_before = kNoSlot;
+  own.material = materials_.numberOf(material);
+  if (materials_.stale(count_))
+    materials_.renew([&](const auto& visit) { each([&](uint32_t other) { visit(sleeper_[other].material); }); });
   const int level = levelOf(own.radius);
   spot_[berth] = {own.position, own.radius, kNoSlot, level};
   ++members_[static_cast<size_t>(level)];
@@ -162,7 +165,7 @@ void Sleepers::leanOn(uint32_t berth, const ColliderContact& contact) {
 
 void Sleepers::weigh(uint32_t berth, vec3 gravity_step) {
   Sleeper& own = sleeper_[berth];
-  own.load = {grainMass(own.radius, own.material.density) * gravity_step, vec3(0), 0};
+  own.load = {massOf(berth) * gravity_step, vec3(0), 0};
   const auto add = [&](vec3 normal, vec3 impulse, vec3 rolling) {
     own.load.impulse += impulse;
     own.load.moment += rolling / own.radius - glm::cross(normal, impulse);
@@ -305,8 +308,22 @@ void Sleepers::wake(uint32_t berth, std::vector<WokenPair>& pairs, std::vector<W
   free_ = berth;
 }
 
+void Sleepers::trim() {
+  const size_t smaller = need_.shrinks(count_, sleeper_.capacity());
+  if (smaller == 0 || count_ > 0) return;  // berths keep their numbers
+  sleeper_ = {};
+  spot_ = {};
+  free_ = kNoSlot;
+  pair_ = {};
+  rolling_ = {};
+  wall_ = {};
+  touches_ = {};
+  bucket_ = {};
+  occupied_ = {};
+}
+
 size_t Sleepers::memoryBytes() const {
-  return sleeper_.capacity() * sizeof(Sleeper) + spot_.capacity() * sizeof(Spot) +
+  return materials_.memoryBytes() + sleeper_.capacity() * sizeof(Sleeper) + spot_.capacity() * sizeof(Spot) +
          pair_.node.capacity() * sizeof(PairNode) + rolling_.capacity() * sizeof(vec3) + wall_.node.capacity() * sizeof(WallNode) +
          wall_load_.capacity() * sizeof(WallLoad) + bucket_.capacity() * sizeof(uint32_t) +
          occupied_.capacity() * sizeof(uint64_t) + touches_.capacity() * sizeof(Touch);

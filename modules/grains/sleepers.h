@@ -52,7 +52,7 @@ struct Sleeper {
   uint32_t row = 0;
   uint32_t ring = kNoSlot, member = 0;  // of a clump: the next member's berth; its number
   Entity entity;
-  GrainMaterial material;
+  uint32_t material = 0;  // among those of Sleepers
   Load load;  // of gravity, of other sleepers and of colliders, a substep
   uint32_t booked_on = kNoSlot;  // key of a collider: see book()
   vec3 booked{0};                // N s
@@ -94,6 +94,7 @@ class Sleepers {
   // A berth is a sleeper's place in here; it keeps it until it wakes.
   Sleeper& operator[](uint32_t berth) { return sleeper_[berth]; }
   const Sleeper& operator[](uint32_t berth) const { return sleeper_[berth]; }
+  const GrainMaterial& materialOf(uint32_t berth) const { return materials_[sleeper_[berth].material]; }
   // Where a sleeper lies, apart from all else that is known of it: most of those that a search looks
   // up turn out not to be near.
   struct Spot {
@@ -109,7 +110,7 @@ class Sleepers {
       if (sleeper_[berth].radius > 0) visit(berth);
   }
 
-  uint32_t lay(const Sleeper& sleeper);
+  uint32_t lay(const Sleeper& sleeper, const GrainMaterial& material);
   // A contact of sleepers a and b; impulses on a.
   void lean(uint32_t a, uint32_t b, vec3 impulse, vec3 rolling);
   void leanOn(uint32_t berth, const ColliderContact& contact);
@@ -172,6 +173,8 @@ class Sleepers {
   // Into an empty store, where the number is the berth. Returns what is wrong; empty: nothing.
   std::string restore(ByteReader& in, uint32_t handles);
 
+  // Each search: gives back what nobody has slept in for long.
+  void trim();
   size_t memoryBytes() const;
 
  private:
@@ -222,10 +225,17 @@ class Sleepers {
   void dropIfIdle(WallLoad& load);
   void pressWall(WallNode& node, vec3 impulse);
 
+  float massOf(uint32_t berth) const {
+    return grainMass(sleeper_[berth].radius, materialOf(berth).density);
+  }
+  float pullBetween(uint32_t a, uint32_t b) const;
+
   std::vector<Sleeper> sleeper_;
+  Materials materials_;
   std::vector<Spot> spot_;
   uint32_t free_ = kNoSlot, count_ = 0, contacts_ = 0;
   uint64_t changes_ = 0;
+  Need need_;
   Pool<PairNode> pair_;
   std::vector<vec3> rolling_;  // of pair_.node[k], on the first; empty: no contact of sleepers has ever rolled
   Pool<WallNode> wall_;

@@ -22,7 +22,7 @@ void Sleepers::save(ByteWriter& out, std::vector<uint32_t>& saved_berth) const {
     out.number(own.position);
     out.number(own.radius);
     out.number(own.entity);
-    out.number(own.material);
+    out.number(materialOf(berth));
     out.number(own.load);
     out.number(own.booked_on);
     out.number(own.booked);
@@ -67,17 +67,17 @@ std::string Sleepers::restore(ByteReader& in, uint32_t handles) {
     own.position = in.number<vec3>();
     own.radius = in.number<float>();
     own.entity = in.number<Entity>();
-    own.material = in.number<GrainMaterial>();
+    const auto material = in.number<GrainMaterial>();
     own.load = in.number<Load>();
     own.booked_on = in.number<uint32_t>();
     own.booked = in.number<vec3>();
     own.propped = in.number<uint8_t>() != 0;
-    if (!allowed(own.radius, own.material) || !finite(own.position) || own.entity.index >= handles)
+    if (!allowed(own.radius, material) || !finite(own.position) || own.entity.index >= handles)
       return fmt::format("sleeper {}: radius {} m, entity {} of {}, a material or a place that is not allowed",
                          k, own.radius, own.entity.index, handles);
     if (!finite(own.load.impulse) || !finite(own.load.moment) || !finite(own.load.carried) || !finite(own.booked))
       return fmt::format("sleeper {}: a load that is not finite", k);
-    lay(own);
+    lay(own, material);
   }
   std::string wrong = restorePairs(in);
   if (wrong.empty()) wrong = restoreWalls(in);

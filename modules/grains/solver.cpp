@@ -142,7 +142,7 @@ void GrainSolver::readyMasses() {
   for (uint32_t k = 0; k < bodies_.count; ++k) {
     if (!isAwake(bodies_, k)) continue;
     Body& body = bodies_.body[k];
-    body.inverse_mass = 1 / grainMass(body.radius, bodies_.material[k].density);
+    body.inverse_mass = 1 / grainMass(body.radius, bodies_.materialOf(k).density);
     body.gravity_scale = 1;
   }
   clumps_.giveMasses(bodies_);
@@ -155,7 +155,7 @@ void GrainSolver::predict(vec3 gravity_step, float h, std::span<const Force> for
   const vec3 drift = drift_ * drift_time_;
   const auto leaves = [&](size_t k) {
     const Body& grain = bodies_.body[k];
-    const Reference& reference = bodies_.reference[k];
+    const Reference reference = grid_.referenceOf(bodies_, static_cast<uint32_t>(k));
     const vec3 strayed = grain.position - reference.position - drift;
     const vec3 relative = grain.velocity - drift_;
     const float way = glm::dot(strayed, strayed), next = h * h * glm::dot(relative, relative);
@@ -311,7 +311,7 @@ void GrainSolver::move(vec3 gravity_step, float h, float keep, std::span<const F
         // Only numbers beyond all physics are zeroed; they must not spread.
         if (!(glm::dot(grain.velocity, grain.velocity) <= kMostSpeed * kMostSpeed))
           grain.velocity = vec3(0);
-        const Reference& reference = bodies_.reference[k];
+        const Reference reference = grid_.referenceOf(bodies_, static_cast<uint32_t>(k));
         const vec3 strayed = grain.position - reference.position - drift_ * drift_time_;
         if (walls && !(glm::dot(strayed, strayed) <= reference.margin * reference.margin))
           driven_[chunk].push_back({static_cast<uint32_t>(k), before});

@@ -100,7 +100,7 @@ class GrainSolver {
   template <class Visit>
   void eachAwake(const Visit& visit) const {
     for (const AwakeRow& row : awake_)
-      visit(bodies_.entity[row.slot], bodies_.body[row.slot], bodies_.material[row.slot]);
+      visit(bodies_.entity[row.slot], bodies_.body[row.slot], bodies_.materialOf(row.slot));
   }
   const Sleepers& sleepers() const { return sleepers_; }
   const Rigids& rigids() const { return rigids_; }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "engine/core/parallel.h"
 #include "modules/grains/solver.h"
@@ -43,7 +42,7 @@ uint32_t GrainSolver::placeOf(Entity entity) const {
 
 void GrainSolver::setPlace(Entity entity, uint32_t place) {
   if (entity.index >= place_.size())
-    place_.resize(std::max<size_t>(entity.index + 1, place_.size() + place_.size() / 8), kNoSlot);
+    place_.resize(std::max<size_t>(entity.index + 1, roomFor(place_.size())), kNoSlot);
   place_[entity.index] = place;
 }
 
@@ -58,8 +57,8 @@ uint32_t GrainSolver::appendBody(Entity entity, const GrainMaterial& material, v
   body.friction_root = std::sqrt(material.friction);
   append(bodies_.body, body);
   append(bodies_.entity, entity);
-  append(bodies_.material, material);
-  append(bodies_.reference, {position, 0});
+  append(bodies_.material, bodies_.materials.numberOf(material));
+  append(bodies_.margin, 0);
   append(bodies_.berth, kAwake);
   return slot;
 }
@@ -67,11 +66,11 @@ uint32_t GrainSolver::appendBody(Entity entity, const GrainMaterial& material, v
 namespace {
 
 // A sleeper's row as it was left.
-bool sleepsOn(const GrainRows& table, size_t k, const Sleeper& sleeper) {
+bool sleepsOn(const GrainRows& table, size_t k, const Sleeper& sleeper, const GrainMaterial& material) {
   return !table.rest.empty() && table.rest[k].asleep &&
          table.grain[k].position == sleeper.position && table.grain[k].radius == sleeper.radius &&
          table.velocity[k].linear == vec3(0) && table.spin[k].angular == vec3(0) &&
-         std::memcmp(&table.material[k], &sleeper.material, sizeof(GrainMaterial)) == 0;
+         Materials::same(table.material[k], material);
 }
 
 }  // namespace
@@ -101,7 +100,7 @@ void GrainSolver::adopt(std::span<const GrainRows> tables) {
       } else if ((place & kBerthBit) != 0) {
         const uint32_t berth = place & ~kBerthBit;
         sleepers_[berth].row = row;
-        if (!sleepsOn(table, k, sleepers_[berth])) waking_.push_back(berth);
+        if (!sleepsOn(table, k, sleepers_[berth], sleepers_.materialOf(berth))) waking_.push_back(berth);
         continue;
       } else {
         settled_[place] = 1;
@@ -159,8 +158,8 @@ void GrainSolver::readRows(std::span<const GrainRows> tables) {
   eachRow(tables, awake_, [&](const GrainRows& table, size_t k, uint32_t slot) {
     Body& body = bodies_.body[slot];
     const Grain& grain = table.grain[k];
-    if (std::memcmp(&bodies_.material[slot], &table.material[k], sizeof(GrainMaterial)) != 0) {
-      bodies_.material[slot] = table.material[k];
+    if (!Materials::same(bodies_.materialOf(slot), table.material[k])) {
+      bodies_.material[slot] = bodies_.materials.numberOf(table.material[k]);
       search_due_ = true;
     }
     if (body.radius != grain.radius) search_due_ = true;
@@ -221,7 +220,7 @@ void GrainSolver::measure() {
   double energy = 0;
   for (uint32_t k = 0; solved && k < bodies_.count; ++k) {
     const Body& b = bodies_.body[k];
-    const float mass = grainMass(b.radius, bodies_.material[k].density);
+    const float mass = grainMass(b.radius, bodies_.materialOf(k).density);
     energy += 0.5 * static_cast<double>(mass) *
               static_cast<double>(glm::dot(b.velocity, b.velocity) +
                                   0.4f * b.radius * b.radius * glm::dot(b.spin, b.spin));
@@ -248,26 +247,17 @@ std::vector<std::pair<uint32_t, uint32_t>> GrainSolver::neighbourPairs(PairsThat
 }
 
 size_t GrainSolver::memoryBytes() const {
-  const auto bodies = [](const Bodies& b) {
-    return b.body.capacity() * sizeof(Body) + b.entity.capacity() * sizeof(Entity) +
-           b.material.capacity() * sizeof(GrainMaterial) +
-           b.reference.capacity() * sizeof(Reference) + 4 * (b.berth.capacity() + b.clump.capacity());
-  };
-  return bodies(bodies_) + workspace_.memoryBytes() + grid_.memoryBytes() + pairs_.memoryBytes() +
-         walls_.memoryBytes() + sleepers_.memoryBytes() + clumps_.memoryBytes() +
-         4 * (place_.capacity() + waking_.capacity() +
-              partners_.capacity() + falling_.capacity() + strays_.capacity() +
-              met_.capacity() + uneasy_.capacity() + to_book_.capacity()) +
-         touches_.capacity() * sizeof(Touch) +
-         touching_.capacity() * sizeof(touching_[0]) + pressed_.capacity() * sizeof(Pressed) +
-         awake_.capacity() * sizeof(AwakeRow) + settled_.capacity() +
-         woken_pairs_.capacity() * sizeof(WokenPair) +
-         woken_walls_.capacity() * sizeof(WokenWall) +
-         joining_pairs_.capacity() * sizeof(JoiningPair) +
-         joining_walls_.capacity() * sizeof(JoiningWall) +
-         posed_.capacity() * sizeof(PosedCollider) + chunk_flags_.capacity() +
-         clump_rows_.capacity() * sizeof(ClumpRow) + forces_seen_.capacity() * sizeof(Force) + strikes_.memoryBytes() +
-         rigids_.memoryBytes() + moved_walls_.capacity();
+  const auto of = [](const auto&... lists) { return (size_t{0} + ... + (lists.capacity() * sizeof(lists[0]))); };
+  const Bodies& b = bodies_;
+  size_t bytes = of(b.body, b.entity, b.material, b.margin, b.berth, b.clump) + b.materials.memoryBytes() +
+                 workspace_.memoryBytes() + grid_.memoryBytes() + pairs_.memoryBytes() + walls_.memoryBytes() +
+                 sleepers_.memoryBytes() + clumps_.memoryBytes() + rigids_.memoryBytes() + strikes_.memoryBytes() +
+                 of(place_, awake_, settled_, strays_, met_, shifts_, chunk_flags_, driven_, posed_, posed_end_,
+                    moved_walls_, forces_seen_) +
+                 of(waking_, partners_, falling_, uneasy_, to_book_, pressed_, touches_, touching_, clump_rows_) +
+                 of(woken_pairs_, woken_walls_, joining_pairs_, joining_walls_, refused_, lost_, broken_);
+  for (const auto& driven : driven_) bytes += of(driven);
+  return bytes;
 }
 
 }  // namespace scree::grains

@@ -41,11 +41,11 @@ std::string GrainSolver::saved() const {
   for (uint32_t k = 0; k < bodies_.count; ++k) {
     const uint32_t berth = bodies_.berth[k];
     out.number(isAsleep(bodies_, k) ? saved_berth[berth] : berth);
-    out.number(bodies_.reference[k]);
+    out.number(grid_.referenceOf(bodies_, k));
     if (berth != kAwake) continue;
     out.number(bodies_.entity[k]);
     out.number(bodies_.body[k].radius);
-    out.number(bodies_.material[k]);
+    out.number(bodies_.materialOf(k));
   }
   out.number(static_cast<uint32_t>(woken_pairs_.size()));
   for (const WokenPair& pair : woken_pairs_) out.number(pair);
@@ -122,7 +122,7 @@ std::string GrainSolver::restoreBodies(ByteReader& in, uint32_t handles) {
     const auto reference = in.number<Reference>();
     Entity entity;
     GrainMaterial material;
-    vec3 position(0);  // of a grain awake: in its row
+    vec3 position(0);
     float radius = 1;
     if (berth == kAwake) {
       entity = in.number<Entity>();
@@ -142,15 +142,17 @@ std::string GrainSolver::restoreBodies(ByteReader& in, uint32_t handles) {
       entity = sleeper.entity;
       position = sleeper.position;
       radius = sleeper.radius;
-      material = sleeper.material;
+      material = sleepers_.materialOf(berth);
     }
     if (berth != kGone && !finite(reference.position))
       return fmt::format("body {}: a place that is not finite", k);
     // A grain awake is given 4 radii at most; of one that has gone nothing is known any more.
     if (berth != kGone && !(reference.margin >= 0 && reference.margin <= 4.001f * radius))
       return fmt::format("body {}: a margin of {} m; allowed are 0 to 4 radii", k, reference.margin);
-    appendBody(entity, material, position, radius);
-    bodies_.reference[k] = reference;
+    // Of a grain awake that is not listed yet the reference is where it is.
+    appendBody(entity, material, berth == kAwake ? reference.position : position, radius);
+    bodies_.margin[k] = reference.margin;
+    grid_.restore(k, reference.position);
     bodies_.berth[k] = berth;
     if (berth != kAwake) bodies_.body[k].inverse_mass = bodies_.body[k].gravity_scale = 0;
   }

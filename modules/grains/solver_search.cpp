@@ -51,8 +51,7 @@ void GrainSolver::chooseMargins(float h) {
   listed_awake_ = n;
   least_margin_way_ = 3e38f;
   for (uint32_t k = 0; k < n; ++k) {
-    const float margin = marginOf(bodies_.body[k], h);
-    bodies_.reference[k] = {bodies_.body[k].position, margin};
+    const float margin = bodies_.margin[k] = marginOf(bodies_.body[k], h);
     least_margin_way_ = std::min(least_margin_way_, margin);
   }
 }
@@ -84,7 +83,7 @@ bool GrainSolver::followStrays(float h) {
       meets = meets || (glm::dot(d, d) < sum * sum && sleepers_[berth].slot == kNoSlot);
     });
     if (meets) return false;
-    bodies_.reference[slot] = reference;
+    bodies_.margin[slot] = reference.margin;
     least_margin_way_ = std::min(least_margin_way_, reference.margin);
   }
   return true;
@@ -117,14 +116,14 @@ std::span<uint32_t> GrainSolver::gatherNear(float h, std::span<uint32_t>& were) 
   chooseMargins(h);
   for (uint32_t k = 0; k < n && sleepers_.count() > 0;) {
     Company company;
-    while (k < n && company.admits(bodies_.body[k], bodies_.reference[k].margin)) ++k;
+    while (k < n && company.admits(bodies_.body[k], bodies_.margin[k])) ++k;
     company.close();
     sleepers_.near(company.low(), company.high(), [&](uint32_t berth) {
       const Sleepers::Spot& spot = sleepers_.spot(berth);
       if (!company.reaches(spot.position, spot.radius)) return;
       Sleeper& sleeper = sleepers_[berth];
       if (sleeper.slot != kNoSlot) return;
-      sleeper.slot = appendBody(sleeper.entity, sleeper.material, sleeper.position, sleeper.radius);
+      sleeper.slot = appendBody(sleeper.entity, sleepers_.materialOf(berth), sleeper.position, sleeper.radius);
       bodies_.berth[sleeper.slot] = berth;
       bodies_.body[sleeper.slot].inverse_mass = 0;
       bodies_.body[sleeper.slot].gravity_scale = 0;
@@ -139,6 +138,7 @@ void GrainSolver::trim(size_t bodies) {
   const auto trimmed = [&](auto&... list) { (fitTo(list, std::max(list.size(), std::min(list.capacity(), bodies))), ...); };
   trimmed(awake_, settled_, waking_, partners_, falling_, uneasy_, to_book_, pressed_, touches_, touching_,
           woken_pairs_, woken_walls_, joining_pairs_, joining_walls_);
+  sleepers_.trim();
 }
 
 void GrainSolver::padBodies() {
@@ -178,6 +178,9 @@ void GrainSolver::searchNeighbours(float h) {
   padBodies();
   for (AwakeRow& awake : awake_) awake.slot = slot_of[moved[awake.slot]];
   clumps_.follow(moved, slot_of);
+  workspace_.giveBack({});
+  before_ = workspace_.keep(before_);
+  grid_.keepSearch(workspace_);
   clumps_.mark(bodies_);
   joinWoken();
   grid_.read(bodies_);

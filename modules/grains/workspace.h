@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -41,7 +42,6 @@ class Workspace {
     }
     if (block_ == blocks_.size()) blocks_.emplace_back().extend(bytes);
     T* const first = reinterpret_cast<T*>(blocks_[block_].data() + used_);
-    std::uninitialized_default_construct_n(first, n);
     used_ += bytes;
     most_ = std::max(most_, before_ + used_);
     return {first, n};
@@ -51,6 +51,14 @@ class Workspace {
     const std::span<T> all = take<T>(n);
     std::ranges::fill(all, value);
     return all;
+  }
+  // After giveBack(): takes room for what is still wanted of what was given back, and moves it there. Parts
+  // in the order in which they were taken.
+  template <class T>
+  std::span<T> keep(std::span<T> part) {
+    const std::span<T> kept = take<T>(part.size());
+    std::memmove(kept.data(), part.data(), part.size_bytes());
+    return kept;
   }
   struct Mark {
     size_t block, used, before;

@@ -79,13 +79,15 @@ std::vector<std::pair<uint32_t, uint32_t>> search(const Field& field, float marg
   Bodies bodies, sorted;
   bodies.count = sorted.count = n;
   bodies.body.resize(n);
-  bodies.reference.resize(n);
+  bodies.margin.resize(n);
   bodies.entity = field.entity;
-  bodies.material = field.material;
+  for (const GrainMaterial& material : field.material)
+    bodies.material.push_back(bodies.materials.numberOf(material));
+  sorted.materials = bodies.materials;
   for (uint32_t k = 0; k < n; ++k) {
     bodies.body[k].position = field.grain[k].position;
     bodies.body[k].radius = field.grain[k].radius;
-    bodies.reference[k] = {field.grain[k].position, margin_share * field.grain[k].radius};
+    bodies.margin[k] = margin_share * field.grain[k].radius;
   }
   Grid grid;
   Workspace workspace;
@@ -94,7 +96,7 @@ std::vector<std::pair<uint32_t, uint32_t>> search(const Field& field, float marg
     sorted.body.push_back(bodies.body[from]);
     sorted.entity.push_back(bodies.entity[from]);
     sorted.material.push_back(bodies.material[from]);
-    sorted.reference.push_back(bodies.reference[from]);
+    sorted.margin.push_back(bodies.margin[from]);
   }
   grid.read(sorted);
   PairLists lists, none;

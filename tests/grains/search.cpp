@@ -69,7 +69,7 @@ TEST(Search, SaysWhichNeighboursNearlyTouch) {
   bodies.count = sorted.count = kCount;
   for (uint32_t k = 0; k < kCount; ++k) {
     bodies.body.push_back(sphereAt(1.8f * unitCube(3, k), 0.03f + 0.03f * unit(3, k, 3)));
-    bodies.reference.push_back({bodies.body[k].position, 0.02f});
+    bodies.margin.push_back(0.02f);
     bodies.entity.push_back({k, 1});
   }
   for (const Lanes lanes : {Lanes::Baseline, Lanes::Avx2, Lanes::Avx512}) {
@@ -79,10 +79,10 @@ TEST(Search, SaysWhichNeighboursNearlyTouch) {
     Workspace workspace;
     grid.use(*kernels);
     sorted.body.clear();
-    sorted.reference.clear();
+    sorted.margin.clear();
     for (const uint32_t from : grid.plan(bodies, workspace)) {
       sorted.body.push_back(bodies.body[from]);
-      sorted.reference.push_back(bodies.reference[from]);
+      sorted.margin.push_back(bodies.margin[from]);
     }
     grid.read(sorted);
     int near = 0, apart = 0;
