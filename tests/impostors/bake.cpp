@@ -167,26 +167,30 @@ TEST(ImpostorCast, TrianglesThatShareEdgesCoverASquareOnceAndWholly) {
     };
     for (const vec3& p : {middle, rim(k), rim(k + 1)}) corners.push_back(p);
   }
-  const GrainMesh grain = grainOf(test::soup(corners));
-  Result<UnitGrain> unit = unitGrain(grain);
-  ASSERT_TRUE(unit.ok()) << unit.error();
-  std::vector<Seen> seen;
-  cast(*unit, {.extent = 2, .samples = 200}, seen);
-  size_t counted = 0;
-  for (const Seen& s : seen) counted += s.triangle >= 0;
-  std::vector<size_t> each(32);
-  for (const UnitTriangle& triangle : unit->triangles) {
-    UnitGrain alone = *unit;
-    alone.triangles = {triangle};
-    cast(alone, {.extent = 2, .samples = 200}, seen);
-    for (const Seen& s : seen)
-      each[static_cast<size_t>(&triangle - unit->triangles.data())] += s.triangle >= 0;
+  // And two halves whose common edge runs through the centres of samples.
+  const std::vector<vec3> halves = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0},
+                                    {-1, -1, 0}, {1, 1, 0},  {-1, 1, 0}};
+  for (const std::vector<vec3>& square : {corners, halves}) {
+    const GrainMesh grain = grainOf(test::soup(square));
+    Result<UnitGrain> unit = unitGrain(grain);
+    ASSERT_TRUE(unit.ok()) << unit.error();
+    const Shot shot{.extent = 2, .samples = 200};
+    const auto covered = [&shot](const UnitGrain& drawn) {
+      std::vector<Seen> seen;
+      cast(drawn, shot, seen);
+      return std::ranges::count_if(seen, [](const Seen& s) { return s.triangle >= 0; });
+    };
+    std::ptrdiff_t sum = 0;
+    for (const UnitTriangle& triangle : unit->triangles) {
+      UnitGrain alone = *unit;
+      alone.triangles = {triangle};
+      sum += covered(alone);
+    }
+    EXPECT_EQ(sum, covered(*unit));  // none twice
+    // Half the square's side is 50 / sqrt(2) = 35.4 samples: 35 centres on either side of its
+    // middle.
+    EXPECT_EQ(sum, 70 * 70);
   }
-  size_t sum = 0;
-  for (size_t n : each) sum += n;
-  EXPECT_EQ(sum, counted);  // none twice
-  // The square's corners lie on the unit circle, and a unit is 50 samples.
-  EXPECT_NEAR(static_cast<double>(counted), 2 * 50 * 50, 4 * 71);
 }
 
 TEST(ImpostorCast, BackFacesAreSeenOnlyOfDoubleSidedMaterials) {
