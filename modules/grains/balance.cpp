@@ -111,8 +111,8 @@ float Sleepers::pullBetween(uint32_t a, uint32_t b) const {
                 reducedRadius(sleeper_[a].radius, sleeper_[b].radius));
 }
 
-bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Touch> outer,
-                       std::vector<uint32_t>& touched) {
+Balance Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Touch> outer,
+                          std::vector<uint32_t>& touched) {
   // Arms are measured from the centre of mass, in radii of the largest member.
   float mass = 0, size = 0;
   vec3 centre(0);
@@ -140,10 +140,11 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
     touch.arm = armOf(touch.berth, touch.normal);
     addTouch(load, touch);
   }
-  if (!uneasy(load, weight)) return true;
+  if (!uneasy(load, weight)) return Balance::Held;
+  const auto beyond = [&](float most) { return !(glm::dot(load.impulse, load.impulse) <= most * most); };
+  const Balance lost = beyond(std::max(kBlow * (weight + load.carried), kFalls * weight)) ? Balance::Struck : Balance::Lost;
   // Not a wandering, but a blow.
-  const float blow = kBlow * (weight + carried);
-  if (!(glm::dot(load.impulse, load.impulse) <= blow * blow)) return false;
+  if (beyond(kBlow * (weight + carried))) return lost;
 
   touches_.assign(outer.begin(), outer.end());
   eachOfClump(berth, [&](uint32_t member) {
@@ -166,7 +167,7 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
   for (int turn = 0; turn < kTurns && (turn == 0 || uneasy(load, weight, kAim)); ++turn) {
     LeastChange least;
     for (const Touch& touch : touches_) least.add(touch);
-    if (!least.solve(load.impulse, load.moment)) return false;
+    if (!least.solve(load.impulse, load.moment)) return lost;
     for (Touch& touch : touches_) {
       const vec3 before = touch.impulse;
       touch.impulse = bearablePart(touch, touch.impulse + least.changeOf(touch), h);
@@ -175,7 +176,7 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
       load.moment += glm::cross(touch.arm, change);
     }
   }
-  if (uneasy(load, weight)) return false;
+  if (uneasy(load, weight)) return lost;
 
   size_t k = outer.size();
   std::copy_n(touches_.begin(), k, outer.begin());
@@ -191,7 +192,7 @@ bool Sleepers::balance(uint32_t berth, vec3 gravity_step, float h, std::span<Tou
       pressWall(wall_.node[at], touches_[k].impulse);
     weigh(member, gravity_step);
   });
-  return true;
+  return Balance::Held;
 }
 
 // Sleepers on which those awake press otherwise than before.
@@ -230,14 +231,22 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
     sleeper.propped = sleeper.propped || impulse != vec3(0);
     pressed_.back().impulse += contact.first ? impulse : -impulse;
   }
+  const bool may_wake = mayChangeSleepers();
+  if (may_wake) {
+    for (const uint32_t berth : waiting_) append(uneasy_, berth);
+    waiting_.clear();
+  }
   // Each round lets the imbalance spread by a grain; what is left is small, and waits for the next tick.
+  size_t struck = 0;
   for (int round = 0; round < kSpread && !uneasy_.empty(); ++round) {
     inOrder(uneasy_);
     partners_.clear();
     for (const uint32_t berth : uneasy_) {
       gatherTouches(berth);
-      if (!sleepers_.balance(berth, gravity_step, last_h_, touches_, partners_)) {
-        waking_.push_back(berth);
+      const Balance found = sleepers_.balance(berth, gravity_step, last_h_, touches_, partners_);
+      if (found != Balance::Held) {
+        struck += found == Balance::Struck;
+        append(may_wake ? waking_ : waiting_, berth);
         continue;
       }
       sleepers_.eachOfClump(berth, [&](uint32_t member) { append(falling_, member); });
@@ -251,6 +260,8 @@ void GrainSolver::findUnbalanced(vec3 gravity_step) {
       sleepers_.eachOfClump(berth, [&](uint32_t member) { append(falling_, member); });
     std::swap(uneasy_, partners_);
   }
+  if (struck * kFew > awake_.size()) waking_.insert(waking_.end(), waiting_.begin(), waiting_.end());
+  if (!waking_.empty()) calm_ = 0;
   partners_.clear();
   border_ = {};
   workspace_.giveBack(before);

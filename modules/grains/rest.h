@@ -18,6 +18,11 @@ namespace scree::grains {
 inline constexpr float kFallAsleep = 0.5f;  // s
 // Grains fall asleep when they are at least one in so many of those awake: each time costs a search.
 inline constexpr size_t kTogether = 64;
+// Ticks from one change of who sleeps to the next, unless a search is due anyhow: what a heap does as it comes to
+// rest would else cost a search in every tick. Who is struck or left in the air wakes at once, unless they
+// are fewer than one in kFew of those awake.
+inline constexpr int kCalm = 4;
+inline constexpr size_t kFew = 1024;
 inline constexpr float kStillWay = 0.01f;      // radii
 inline constexpr float kStillSpeed = 0.05f;    // m/s, of the grain and of its surface
 // A faster approach wakes a sleeper before it is struck.
@@ -28,6 +33,8 @@ inline constexpr float kBalanced = 0.1f, kUneasy = 0.1f;
 inline constexpr float kBalancedShare = 0.02f, kUneasyShare = 0.05f;
 // More than this share of its weight and of what it passes on is a blow: that wakes it.
 inline constexpr float kBlow = 0.5f;
+// So much of its weight left over, and more than a blow of all that presses on it: it is as good as in the air.
+inline constexpr float kFalls = 0.9f;
 // How far, in grains, a change of load spreads among sleepers within a tick.
 inline constexpr int kSpread = 2;
 

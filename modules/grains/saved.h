@@ -19,6 +19,6 @@
 
 namespace scree::grains {
 
-inline constexpr uint32_t kSavedVersion = 3;
+inline constexpr uint32_t kSavedVersion = 4;
 
 }  // namespace scree::grains

@@ -33,6 +33,8 @@ void GrainSolver::findDisturbed(std::span<const Collider> colliders,
     sleepers_.each([&](uint32_t berth) { waking_.push_back(berth); });
     return;
   }
+  // Nobody awake, who could hold them.
+  if (awake_.empty()) waking_.insert(waking_.end(), waiting_.begin(), waiting_.end());
   findPushed(parameters);
   size_t staying = 0;
   for (const Collider& collider : colliders) {
@@ -131,6 +133,7 @@ void GrainSolver::wake(std::span<const GrainRows> tables, vec3 gravity_step) {
   rouseClumps(awake_sorted_);
   sortAwake();
   stats_.woken += static_cast<uint32_t>(waking_.size());
+  std::erase_if(waiting_, [&](uint32_t berth) { return sleepers_[berth].radius == 0; });
   waking_.clear();
   search_due_ = true;
 }
@@ -160,7 +163,7 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
     ++due;
   });
   settleClumps(kStill);
-  if (due == 0) return;
+  if (due == 0 || !mayChangeSleepers()) return;
   const uint32_t listed = pairs_.bodyCount();
   const auto eachContact = [&](const auto& visit) {
     for (uint32_t s = 0; s < pairs_.slab_count; ++s)
@@ -206,6 +209,8 @@ void GrainSolver::settle(std::span<const GrainRows> tables, const StepParameters
   if (falling == 0 || kTogether * falling < awake_.size()) return;
   layToSleep(tables, gravity_step);
 }
+
+bool GrainSolver::mayChangeSleepers() const { return calm_ >= kCalm || search_due_; }
 
 bool GrainSolver::isStill(uint32_t slot) const { return (settled_[slot] & kStill) != 0; }
 
@@ -269,6 +274,7 @@ void GrainSolver::layToSleep(std::span<const GrainRows> tables, vec3 gravity_ste
   }
   bookLeftOver(gravity_step);
   search_due_ = true;
+  calm_ = 0;
   stats_.asleep = sleepers_.count();
 }
 

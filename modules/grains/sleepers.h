@@ -85,6 +85,9 @@ struct WokenWall {
   vec3 impulse, rolling, normal;
 };
 
+// What becomes of a sleeper out of balance.
+enum class Balance : uint32_t { Held, Lost, Struck };
+
 class Sleepers {
  public:
   uint32_t count() const { return count_; }
@@ -141,10 +144,11 @@ class Sleepers {
   void unbookAll(uint32_t key, std::vector<uint32_t>& berths);
 
   // If the load of the sleeper, or of its clump, is out of balance, changes all its contacts as little as balances force and
-  // moment: those with other sleepers and with colliders, and `outer`, those with grains awake. False
-  // if contacts that press, or hold, within Coulomb's limit cannot balance it. `touched`: partners asleep
+  // moment: those with other sleepers and with colliders, and `outer`, those with grains awake. Lost
+  // if contacts that press, or hold, within Coulomb's limit cannot balance it; Struck if it cannot wait for that:
+  // it is struck, or hangs in the air. `touched`: partners asleep
   // that bear something else now, or the first members of their clumps. `h`: the substep, s.
-  bool balance(uint32_t berth, vec3 gravity_step, float h, std::span<Touch> outer,
+  Balance balance(uint32_t berth, vec3 gravity_step, float h, std::span<Touch> outer,
                std::vector<uint32_t>& touched);
 
   // Takes the sleeper out; its contacts go to `pairs` and `walls`, and from the lists of those that

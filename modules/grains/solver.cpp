@@ -1,4 +1,5 @@
 // One tick of the grains: the order of the solver's steps.
+#include "modules/grains/rest.h"
 #include "modules/grains/solver.h"
 
 #include <glm/geometric.hpp>
@@ -128,6 +129,7 @@ void GrainSolver::step(std::span<const GrainRows> tables, std::span<Collider> co
   addSleepersLoads(colliders, substeps);
   writeRows(tables, parameters, dt);
   measure();
+  calm_ = std::min(calm_ + 1, kCalm);
   settle(tables, parameters, gravity_step, dt);
   if (!rigids_.empty()) settleRigids(colliders, parameters, dt);
   findUnbalanced(gravity_step);

@@ -148,6 +148,7 @@ class GrainSolver {
   void findDisturbed(std::span<const Collider> colliders, const StepParameters& parameters);
   void findStruck(const StepParameters& parameters);
   void findUnbalanced(vec3 gravity_step);
+  bool mayChangeSleepers() const;
   void inOrder(std::vector<uint32_t>& berths) const;
   void gatherTouches(uint32_t first);
   void wake(std::span<const GrainRows> tables, vec3 gravity_step);
@@ -246,6 +247,7 @@ class GrainSolver {
   };
   std::span<BorderContact> border_;  // in the workspace
   std::vector<uint32_t> uneasy_;
+  std::vector<uint32_t> waiting_;  // berths, some twice: lost their balance, and wake when mayChangeSleepers() if still so
   std::vector<uint32_t> to_book_;  // berths whose load has changed since it was booked; empty between ticks
   struct Pressed {
     uint32_t berth;
@@ -278,6 +280,7 @@ class GrainSolver {
   float least_margin_way_ = 0;  // the least margin of a body awake, m
   uint32_t listed_awake_ = 0;   // at the last search
   int age_ = 0;           // substeps since the last search
+  int calm_ = 0;          // ticks since who sleeps last changed by itself; see kCalm
   bool left_margin_ = false;
   bool adopt_due_ = true;
   bool search_due_ = true;

@@ -254,7 +254,7 @@ size_t GrainSolver::memoryBytes() const {
                  sleepers_.memoryBytes() + clumps_.memoryBytes() + rigids_.memoryBytes() + strikes_.memoryBytes() +
                  of(place_, awake_, settled_, strays_, met_, shifts_, chunk_flags_, driven_, posed_, posed_end_,
                     moved_walls_, forces_seen_) +
-                 of(waking_, partners_, falling_, uneasy_, to_book_, pressed_, touches_, touching_, clump_rows_) +
+                 of(waking_, partners_, falling_, uneasy_, waiting_, to_book_, pressed_, touches_, touching_, clump_rows_) +
                  of(woken_pairs_, woken_walls_, joining_pairs_, joining_walls_, refused_, lost_, broken_);
   for (const auto& driven : driven_) bytes += of(driven);
   return bytes;

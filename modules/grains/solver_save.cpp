@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "modules/grains/rest.h"
 #include "modules/grains/saved.h"
 #include "modules/grains/solver.h"
 
@@ -30,6 +31,7 @@ std::string GrainSolver::saved() const {
   out.number(least_margin_way_);
   out.number(listed_awake_);
   out.number(std::min(age_, kOld));
+  out.number(static_cast<uint8_t>(calm_));
   out.number(static_cast<uint8_t>(search_due_));
   out.number(static_cast<uint8_t>(pairs_.rolling));
   out.number(static_cast<uint8_t>(pairs_.bouncing));
@@ -37,6 +39,8 @@ std::string GrainSolver::saved() const {
 
   std::vector<uint32_t> saved_berth;
   sleepers_.save(out, saved_berth);
+  out.number(static_cast<uint32_t>(waiting_.size()));
+  for (const uint32_t berth : waiting_) out.number(saved_berth[berth]);
   out.number(bodies_.count);
   for (uint32_t k = 0; k < bodies_.count; ++k) {
     const uint32_t berth = bodies_.berth[k];
@@ -87,17 +91,18 @@ std::string GrainSolver::restoreScalars(ByteReader& in, uint32_t) {
   least_margin_way_ = in.number<float>();
   listed_awake_ = in.number<uint32_t>();
   age_ = in.number<int32_t>();
+  calm_ = in.number<uint8_t>();
   search_due_ = in.number<uint8_t>() != 0;
   pairs_.rolling = in.number<uint8_t>() != 0;
   pairs_.bouncing = in.number<uint8_t>() != 0;
   pairs_.cohesive = in.number<uint8_t>() != 0;
   if (!(last_h_ > 0 && last_h_ <= kLongestTick))
     return fmt::format("a substep of {} s; allowed is up to {}", last_h_, kLongestTick);
-  if (!finite(drift_) || !(drift_time_ >= 0) || !finite(drift_time_) || age_ < 0 || age_ > kOld ||
+  if (!finite(drift_) || !(drift_time_ >= 0) || !finite(drift_time_) || age_ < 0 || age_ > kOld || calm_ > kCalm ||
       !(lifetime_ > 0 && lifetime_ < 100) || !(least_margin_ > 0 && least_margin_ < 100) ||
       !(least_margin_way_ >= 0))
-    return fmt::format("age {}, margins of {} substeps and {} radii, or a drift that is not allowed",
-                       age_, lifetime_, least_margin_);
+    return fmt::format("age {}, calm {}, margins of {} substeps and {} radii, or a drift that is not allowed",
+                       age_, calm_, lifetime_, least_margin_);
   if ((pairs_.bouncing || pairs_.cohesive) && !pairs_.rolling)
     return "contacts that bounce or hold, but do not roll";
   return {};
@@ -114,6 +119,14 @@ std::string GrainSolver::restoreBodies(ByteReader& in, uint32_t handles) {
   for (uint32_t berth = 0; berth < sleepers_.count(); ++berth)
     if (const Entity entity = sleepers_[berth].entity; !settles(entity, berth | kBerthBit))
       return fmt::format("sleeper {}: entity {} is out of range or there twice", berth, entity.index);
+
+  const auto waiting = in.number<uint32_t>();
+  if (!in.has(waiting, 4)) return fmt::format("{} sleepers out of balance reach beyond the end", waiting);
+  for (uint32_t k = 0; k < waiting; ++k) {
+    const auto berth = in.number<uint32_t>();
+    if (berth >= sleepers_.count()) return fmt::format("out of balance: sleeper {} of {}", berth, sleepers_.count());
+    waiting_.push_back(berth);
+  }
 
   const auto count = in.number<uint32_t>();
   if (!in.has(count, 20)) return fmt::format("{} bodies reach beyond the end", count);

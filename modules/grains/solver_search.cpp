@@ -136,7 +136,7 @@ std::span<uint32_t> GrainSolver::gatherNear(float h, std::span<uint32_t>& were) 
 // but for the moment in which many wake or sleep.
 void GrainSolver::trim(size_t bodies) {
   const auto trimmed = [&](auto&... list) { (fitTo(list, std::max(list.size(), std::min(list.capacity(), bodies))), ...); };
-  trimmed(awake_, settled_, waking_, partners_, falling_, uneasy_, to_book_, pressed_, touches_, touching_,
+  trimmed(awake_, settled_, waking_, partners_, falling_, uneasy_, waiting_, to_book_, pressed_, touches_, touching_,
           woken_pairs_, woken_walls_, joining_pairs_, joining_walls_);
   sleepers_.trim();
 }

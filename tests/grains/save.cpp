@@ -197,7 +197,7 @@ TEST(Save, SaysWhatIsWrong) {
     const auto result = GrainSolver::restored(damaged, handles);
     return result.ok() ? std::string("nothing") : result.error();
   };
-  EXPECT_EQ(why(std::string("\4\0\0\0", 4) + bytes.substr(4), bed.next), "version 4; this program reads 3");
+  EXPECT_EQ(why(std::string("\5\0\0\0", 4) + bytes.substr(4), bed.next), "version 5; this program reads 4");
   EXPECT_EQ(why(bytes + "x", bed.next), "unknown content at byte " + std::to_string(bytes.size()));
   EXPECT_NE(why(bytes, 3).find("entity"), std::string::npos);
   std::string nan = bytes;

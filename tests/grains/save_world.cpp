@@ -234,7 +234,7 @@ TEST(SavedWorld, DamagedPartIsRefusedAndChangesNothing) {
   std::memcpy(damaged.data() + damaged.size() - 8, &hash, 8);
   const Status status = world.loadBytes(damaged, "the save");
   ASSERT_FALSE(status.ok());
-  EXPECT_EQ(status.error(), "the save: part 'grains': version 9; this program reads 3");
+  EXPECT_EQ(status.error(), "the save: part 'grains': version 9; this program reads 4");
   EXPECT_TRUE(world.saveBytes() == bytes);
 }
 
