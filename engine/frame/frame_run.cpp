@@ -76,6 +76,9 @@ void Frame::State::create(FrameResource& resource) {
 void Frame::State::resize(ivec2 output) {
   if (output == size) return;
   size = output;
+  // Before what they hold: a texture lives as long as it is attached, and the framebuffer that is bound would lose it.
+  for (const auto& pass : passes)
+    if (pass->attached && pass->fixed_size.x == 0) pass->framebuffer = gpu::Framebuffer();
   for (FrameResource& resource : resources)
     if (resource.target && resource.desc.fixed_size.x == 0) resource.texture = gpu::Texture();
 }

@@ -280,6 +280,37 @@ TEST_F(FrameTest, TargetsFollowTheOutputsSize) {
   EXPECT_EQ(frame.runCount("screen"), 6u);
 }
 
+// GL checks the bound framebuffer at dispatches too: one that had lost its attachments with the old size would be
+// complained of (TearDown), and one that is not bound would keep them alive.
+TEST_F(FrameTest, DispatchesBeforeTheFirstDrawOfAnotherSize) {
+  Frame frame;
+  gpu::Program white = one();
+  folder_.write("none.comp", "layout(local_size_x = 1) in; void main() {}");
+  gpu::Program none({.name = "none", .compute = "none.comp", .root = folder_.path()});
+  frame.addExternal("list");
+  frame.addTarget("screen", {.format = GL_R32F});
+  frame.addPass({.name = "list",
+                 .stage = Stage::Route,
+                 .uses = {{"list", Access::StorageWrite}},
+                 .run = [&](PassContext&) {
+                   none.use();
+                   gpu::dispatch(1);
+                 }});
+  frame.addPass({.name = "screen",
+                 .stage = Stage::Shade,
+                 .uses = {{"list", Access::StorageRead}, {"screen", Access::Color}},
+                 .run = [&](PassContext&) {
+                   white.use();
+                   gpu::drawFullScreen();
+                 }});
+  frame.keep("screen", true);
+  for (const ivec2 size : {ivec2(8, 4), ivec2(5, 3), ivec2(16, 16)}) {
+    run(frame, size);
+    EXPECT_EQ(gpu::readFloats(frame.texture("screen"), 1),
+              std::vector<float>(static_cast<size_t>(size.x * size.y), 1.0f));
+  }
+}
+
 TEST_F(FrameTest, ASharedShadowMapTakesSeveralPasses) {
   Frame frame;
   gpu::Program none({.name = "depth", .vertex = "full.vert", .root = folder_.path()});

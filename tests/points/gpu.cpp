@@ -169,8 +169,7 @@ TEST_F(Points, FramesLeaveNothingBehind) {
   EXPECT_EQ(again(), wanted) << "by size";
 }
 
-// The pictures are the same; disabled because GL says that a framebuffer of a resized frame has no attachments.
-TEST_F(Points, DISABLED_OtherSizesLeaveNothingBehind) {
+TEST_F(Points, OtherSizesLeaveNothingBehind) {
   HeapScene scene(0.3f);
   const ivec2 size = scene.size;
   scene.render();
