@@ -17,6 +17,7 @@ void SwarmsDrawn::bind(size_t index) const {
   const lod::Part& part = state->parts[index];
   part.late.bindUniform(rules::kPassBinding);
   part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
+  part.chunk->runs.bindStorage(rules::kSwarmRunsBinding);
   part.chunk->representations.bindStorage(rules::kSwarmRepresentationsBinding);
   part.chunk->seen.bindStorage(rules::kSwarmSeenBinding);
   part.chunk->list.bindStorage(rules::kSwarmListBinding);

@@ -22,6 +22,7 @@ gpu::Program program(std::string name, std::vector<std::string> defines = {}) {
 void bindPart(const Part& part, const gpu::StreamSlice& block) {
   block.bindUniform(rules::kPassBinding);
   part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
+  part.chunk->runs.bindStorage(rules::kSwarmRunsBinding);
   part.chunk->representations.bindStorage(rules::kSwarmRepresentationsBinding);
   part.chunk->seen.bindStorage(rules::kSwarmSeenBinding);
   part.chunk->counts.bindStorage(rules::kSwarmCountsBinding);
@@ -30,9 +31,12 @@ void bindPart(const Part& part, const gpu::StreamSlice& block) {
   part.chunk->commands.bindStorage(rules::kSwarmCommandsBinding);
 }
 
-void storageBarrier() { gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT); }
+enum class Lists { First, Late };
 
-// Counts, prefix sums, commands, lists.
+void dispatch(const Part& part, size_t groups) { gpu::dispatchIndirect(part.chunk->commands, groups); }
+
+// Counts, prefix sums, commands, lists. A frame whose first counts find nothing to list, or leave no rest, makes no
+// lists of that.
 struct ListPrograms {
   gpu::Program count, commands;
   gpu::Program prefix = program("lod.prefix"), list = program("lod.list");
@@ -40,20 +44,26 @@ struct ListPrograms {
   ListPrograms(gpu::Program count_in, gpu::Program commands_in)
       : count(std::move(count_in)), commands(std::move(commands_in)) {}
 
-  void run(const Part& part, const gpu::StreamSlice& block) {
-    const uint32_t runs = part.runs;
-    bindPart(part, block);
+  void run(const Part& part, Lists lists) {
+    static_assert(kGroup == rules::kBlockRuns);  // one number of groups for a run an invocation and a block a group
+    constexpr size_t kFirstGroups = offsetof(rules::SwarmCommands, first_groups), kLateGroups = offsetof(rules::SwarmCommands, late_groups);
+    const auto countStep = [&] {
+      if (lists == Lists::Late)
+        dispatch(part, kLateGroups);
+      else
+        gpu::dispatchItems(part.runs, kGroup);
+      gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    };
+    bindPart(part, lists == Lists::Late ? part.late : part.early);
     if (!count.use()) return;
-    gpu::dispatchItems(runs, kGroup);
-    storageBarrier();
+    countStep();
     if (!prefix.use()) return;
-    gpu::dispatch((runs + rules::kBlockRuns - 1) / rules::kBlockRuns);
-    storageBarrier();
+    countStep();
     if (!commands.use()) return;
     gpu::dispatch(1);
-    storageBarrier();
+    gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     if (!list.use()) return;
-    gpu::dispatchItems(runs, kGroup);
+    dispatch(part, lists == Lists::Late ? kLateGroups : kFirstGroups);
   }
 };
 
@@ -88,7 +98,7 @@ PassDesc listPass(const SharedState& state) {
           .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}, {std::string(kSwarmLists), Access::StorageWrite}},
           .run = [state, programs](PassContext&) {
             state->candidates.bindStorage(rules::kCandidateMapBinding);
-            for (const Part& part : state->parts) programs->run(part, part.early);
+            for (const Part& part : state->parts) programs->run(part, Lists::First);
           }};
 }
 
@@ -101,11 +111,12 @@ PassDesc lateListPass(const SharedState& state) {
           .needs_content = {std::string(kSwarmLists)},
           .uses = {{std::string(kSwarmRoutes), Access::StorageWrite},
                    {std::string(kSwarmLists), Access::StorageRead},
+                   {std::string(kSwarmLists), Access::Indirect},
                    {std::string(kOcclusionPyramid), Access::Sampled},
                    {std::string(kSwarmLateLists), Access::StorageWrite}},
           .run = [state, programs](PassContext& context) {
             bindPyramid(state->world, context);
-            for (const Part& part : state->parts) programs->run(part, part.late);
+            for (const Part& part : state->parts) programs->run(part, Lists::Late);
           }};
 }
 
@@ -116,14 +127,15 @@ PassDesc seePass(const SharedState& state) {
           .needs_text = "a swarm that may be more than points",
           .needs = [state] { return state->possible >> rules::kSmallImpostor != 0; },
           .needs_content = {std::string(kSwarmVisible)},
-          .uses = {{std::string(kSwarmVisible), Access::Sampled}, {kSeen, Access::StorageWrite}},
+          .uses = {{std::string(kSwarmVisible), Access::Sampled},
+                   {std::string(kSwarmLists), Access::Indirect},
+                   {kSeen, Access::StorageWrite}},
           .run = [state, see](PassContext& context) {
             if (!see->use()) return;
             context.frame.texture(kSwarmVisible).bind(rules::kPassTextureUnit);
-            const ivec2 groups = (context.input.size + 7) / 8;
             for (const Part& part : state->parts) {
               bindPart(part, part.early);
-              gpu::dispatch(static_cast<uint32_t>(groups.x), static_cast<uint32_t>(groups.y));
+              dispatch(part, offsetof(rules::SwarmCommands, see_groups));
             }
           }};
 }

@@ -10,13 +10,15 @@
 #include "engine/gpu/objects.h"
 #include "engine/gpu/stream.h"
 #include "modules/lod/lod.h"
+#include "shaders/shared/swarm_run.h"
 
 namespace scree::lod {
 
 // The grains of one buffer, on the GPU.
 struct Chunk {
-  gpu::Buffer records, representations, seen, counts, prefix, list, commands;
+  gpu::Buffer records, runs, representations, seen, counts, prefix, list, commands;
   uint32_t count = 0;
+  vec3 drift{0};  // m; from the first half of the grains to the second, between their middles
 };
 
 // A swarm on the GPU.
@@ -53,6 +55,7 @@ struct SwarmsDrawn::State {
 
   World& world;
   Query<const Swarm, const Transform> swarms;
+  std::vector<rules::SwarmRun> runs_scratch;
   std::vector<lod::Resident> resident;  // by swarm, as far as it was drawn
   std::vector<lod::Part> parts;         // of this frame
   uint64_t grain_count = 0;
@@ -76,6 +79,10 @@ using SharedState = std::shared_ptr<SwarmsDrawn::State>;
 
 // External resource: which grains the last frame showed.
 inline constexpr const char* kSeen = "lod.seen";
+
+// What the grains of each run have in common.
+vec3 driftOf(std::span<const rules::SwarmRun> runs);
+void boundRuns(std::span<const rules::SwarmRecord> records, float largest_radius, std::vector<rules::SwarmRun>& runs);
 
 SystemDesc uploadSystem(const SharedState& state);
 PassDesc classifyPass(const SharedState& state);

@@ -11,7 +11,7 @@
 namespace scree::lod {
 namespace {
 
-static_assert(sizeof(rules::SwarmRecord) == 24 && sizeof(rules::SwarmBlock) == 144);
+static_assert(sizeof(rules::SwarmRecord) == 24 && sizeof(rules::SwarmBlock) == 144 && sizeof(rules::SwarmRun) == 32);
 
 uint32_t runsOf(uint32_t count) { return (count + rules::kRunGrains - 1) / rules::kRunGrains; }
 
@@ -28,11 +28,13 @@ rules::SwarmCommands commandsOf(const MeshStore& meshes, const GrainShape& shape
   return commands;
 }
 
-Chunk chunkOf(std::span<const rules::SwarmRecord> records, const rules::SwarmCommands& commands) {
+Chunk chunkOf(std::span<const rules::SwarmRecord> records, std::span<const rules::SwarmRun> bounds, const rules::SwarmCommands& commands) {
   Chunk chunk;
   chunk.count = static_cast<uint32_t>(records.size());
   const size_t runs = runsOf(chunk.count), blocks = (runs + rules::kBlockRuns - 1) / rules::kBlockRuns;
   chunk.records = gpu::Buffer("lod.records", records);
+  chunk.runs = gpu::Buffer("lod.runs", bounds);
+  chunk.drift = driftOf(bounds);
   chunk.representations = gpu::Buffer("lod.representations", 4 * rules::kRunWords * runs);
   chunk.representations.fill(0);
   chunk.seen = gpu::Buffer("lod.seen", 4 * rules::kRunSeenWords * runs);
@@ -44,7 +46,7 @@ Chunk chunkOf(std::span<const rules::SwarmRecord> records, const rules::SwarmCom
   return chunk;
 }
 
-void makeResident(Resident& resident, const SwarmStore& store, const MeshStore& meshes) {
+void makeResident(Resident& resident, const SwarmStore& store, const MeshStore& meshes, std::vector<rules::SwarmRun>& runs) {
   const SwarmStore::Stored& stored = store.swarm(resident.swarm);
   if (resident.version == stored.version) return;
   resident.version = stored.version;
@@ -54,12 +56,16 @@ void makeResident(Resident& resident, const SwarmStore& store, const MeshStore& 
   };
   for (size_t k = 0; k < stored.chunks.size(); ++k) {
     const std::span<const rules::SwarmRecord> records(stored.chunks[k]);
+    boundRuns(records, stored.largest_radius, runs);
+    const std::span<const rules::SwarmRun> bounds(runs);
     if (fits(k)) {
+      resident.chunks[k].drift = driftOf(bounds);
       resident.chunks[k].records.upload(records);
+      resident.chunks[k].runs.upload(bounds);
       continue;
     }
     if (k == resident.chunks.size()) resident.chunks.emplace_back();
-    resident.chunks[k] = chunkOf(records, commandsOf(meshes, store.shape(stored.shape)));
+    resident.chunks[k] = chunkOf(records, bounds, commandsOf(meshes, store.shape(stored.shape)));
   }
   resident.chunks.resize(stored.chunks.size());
 }
@@ -129,6 +135,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     block.count = chunk.count;
     block.first = static_cast<uint32_t>(state.grain_count);
     block.run_count = runsOf(chunk.count);
+    block.last_first = glm::dot(chunk.drift, view.rotation * vec3(0, 0, -1)) < 0 ? 1 : 0;
     Part part;
     part.shape = stored.shape;
     part.first = block.first;
@@ -183,7 +190,7 @@ void upload(SwarmsDrawn::State& state) {
     store.swarm(swarm.swarm);
     Resident& resident = state.resident[swarm.swarm];
     resident.swarm = swarm.swarm;
-    makeResident(resident, store, meshes);
+    makeResident(resident, store, meshes, state.runs_scratch);
     const Placed placed{&resident, &transform, entity, world.has<CastsShadow>(entity)};
     addParts(state, placed, view, settings);
     addCaster(state, placed, seen);

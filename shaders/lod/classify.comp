@@ -3,9 +3,11 @@
 #define SWARM_ROUTES
 #include "lib/swarm.glsl"
 #include "shared/candidate.h"
+#include "shared/swarm_run.h"
 
 layout(local_size_x = 64) in;
 
+layout(std430, binding = kSwarmRunsBinding) readonly buffer Runs { SwarmRun runs[]; };
 layout(std430, binding = kCandidateMapBinding) buffer CandidateMap { uint nearest[]; };
 
 uint representationNow(SwarmRecord grain, uint before) {
@@ -28,7 +30,14 @@ void main() {
   uint run = gl_GlobalInvocationID.x;
   if (run >= swarm.run_count) return;
   uint grain = run * kRunGrains, end = min(grain + kRunGrains, swarm.count);
-  for (uint word = run * kRunWords; word < (run + 1u) * kRunWords; ++word) {
+  uint word = run * kRunWords, end_word = word + kRunWords;
+  uint all = routeOfRun(runs[run], swarm, view);
+  if (all != kUnlike)
+    for (; word < end_word; ++word, grain += 8u) {
+      uint now = eightOf(all, end > grain ? end - grain : 0u);
+      if (representations[word] != now) representations[word] = now;
+    }
+  for (; word < end_word; ++word) {
     uint before = representations[word], now = 0u;
     for (uint shift = 0u; shift < 32u && grain < end; shift += 4u, ++grain)
       now |= representationNow(records[grain], before >> shift & 15u) << shift;

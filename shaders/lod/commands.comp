@@ -1,5 +1,5 @@
 // Sums of the blocks' counts, where the lists begin, and the commands that draw them: one group, one
-// invocation a representation. FIRST: of the first lists in the frame.
+// invocation a representation. FIRST: of the first lists in the frame; else of those of the rest, if there is any.
 #include "lib/swarm.glsl"
 #include "lib/swarm_lists.glsl"
 
@@ -9,11 +9,15 @@ layout(std430, binding = kSwarmPrefixBinding) buffer Prefix { uint prefix[]; };
 layout(std430, binding = kSwarmCommandsBinding) buffer Commands { SwarmCommands commands; };
 
 shared uint total[kRepresentations];
+shared uint found[kRepresentations];
 
 void main() {
   uint representation = gl_LocalInvocationID.x;
   bool listed = (swarm.listed >> representation & 1u) != 0u;
   uint sum = 0u, blocks = blockCount(swarm.run_count);
+#ifndef FIRST
+  if (commands.late_groups[0] == 0u) blocks = 0u;
+#endif
   for (uint block = 0u; block < blocks; ++block) {
     uint at = prefixOfBlock(block, swarm.run_count) + representation;
     uint count = prefix[at];
@@ -21,6 +25,7 @@ void main() {
     sum += count;
   }
   total[representation] = listed ? sum : 0u;
+  found[representation] = sum;
 #ifdef FIRST
   uint begin = 0u;
 #else
@@ -44,7 +49,13 @@ void main() {
   }
   if (representation == 0u) commands.listed = end;
 #ifdef FIRST
-  if (representation == kPoint)
-    commands.point_groups = uint[3](sum > 0u ? (swarm.run_count + 63u) / 64u : 0u, 1u, 1u);
+  if (representation != 0u) return;
+  uint groups = (swarm.run_count + 63u) / 64u, rest = 0u;
+  for (uint k = kSmallImpostor; k < kFirst; ++k) rest += found[k];
+  uvec2 tiles = rest + end > 0u ? (uvec2(view.size_px) + 7u) / 8u : uvec2(0u);
+  commands.point_groups = uint[3](found[kPoint] > 0u ? groups : 0u, 1u, 1u);
+  commands.first_groups = uint[3](end > 0u ? groups : 0u, 1u, 1u);
+  commands.late_groups = uint[3](rest > 0u ? groups : 0u, 1u, 1u);
+  commands.see_groups = uint[3](tiles.x, tiles.y, 1u);
 #endif
 }

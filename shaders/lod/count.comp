@@ -1,10 +1,11 @@
 // How many grains of each representation a run has. On the way, the first count of a frame chooses what is drawn
-// first: what was seen in the last frame, or is the nearest in its cell of the candidate map. The second, LATE, drops
-// of the rest what the depth pyramid hides.
+// first: what was seen in the last frame, or is the nearest in its cell of the candidate map. The second, LATE, is of
+// the rest, and drops of it what the depth pyramid hides.
 #define SWARM_ROUTES
 #include "lib/occlusion.glsl"
 #include "lib/swarm.glsl"
 #include "shared/candidate.h"
+#include "shared/swarm_run.h"
 
 layout(local_size_x = 64) in;
 
@@ -25,8 +26,14 @@ bool isCandidate(vec3 center, float radius) {
 void main() {
   uint run = gl_GlobalInvocationID.x;
   if (run >= swarm.run_count) return;
-  uint grain = run * kRunGrains;
+  uint grain = run * kRunGrains, word = run * kRunWords, end = word + kRunWords;
   uint count[kCountWords] = uint[kCountWords](0u, 0u, 0u, 0u);
+  bool more = false;
+  for (uint k = word; k < end; ++k) {
+    uint eight = representations[k];
+    count[0] += uint(bitCount(pointsOf(eight))) << 8u * kPoint;
+    more = more || laterOf(eight) != 0u;
+  }
 #ifdef LATE
   OcclusionView eye = occlusionView();
 #else
@@ -34,25 +41,24 @@ void main() {
   if (was_seen.x != 0u) seen[run * kRunSeenWords] = 0u;
   if (was_seen.y != 0u) seen[run * kRunSeenWords + 1u] = 0u;
 #endif
-  for (uint word = run * kRunWords; word < (run + 1u) * kRunWords; ++word, grain += 8u) {
+  // A loop, which is left where no run has more: what an `if` leaves out may cost as much as what it does not.
+  for (word = more ? word : end; word < end; ++word, grain += 8u) {
     uint before = representations[word], now = before;
-    for (uint k = 0u, rest = before; rest != 0u; ++k, rest >>= 4u) {
-      uint r = rest & 15u;
-      if (r > kPoint && r < kFirst) {
-        SwarmRecord record = records[grain + k];
-        vec3 center = centerOf(record);
-        float radius = radiusOf(record);
+    for (uint later = laterOf(before); later != 0u; later &= later - 1u) {
+      uint k = uint(findLSB(later)) >> 2u, r = before >> 4u * k & 15u;
+      SwarmRecord record = records[grain + k];
+      vec3 center = centerOf(record);
+      float radius = radiusOf(record);
 #ifdef LATE
-        bool disc = r < kMesh;
-        float reach_px = disc ? kReachCenters : kReachTouched;
-        if (swarm.cull != 0u && occluded(sphereBounds(eye, center, radius, reach_px, disc))) r = kNotDrawn;
+      bool disc = r < kMesh;
+      float reach_px = disc ? kReachCenters : kReachTouched;
+      if (swarm.cull != 0u && occluded(sphereBounds(eye, center, radius, reach_px, disc))) r = kNotDrawn;
 #else
-        uint in_run = grain + k - run * kRunGrains;
-        bool known = ((in_run < 32u ? was_seen.x : was_seen.y) >> (in_run & 31u) & 1u) != 0u;
-        if (known || isCandidate(center, radius)) r += kFirst;
+      uint in_run = grain + k - run * kRunGrains;
+      bool known = ((in_run < 32u ? was_seen.x : was_seen.y) >> (in_run & 31u) & 1u) != 0u;
+      if (known || isCandidate(center, radius)) r += kFirst;
 #endif
-        now ^= ((rest & 15u) ^ r) << 4u * k;
-      }
+      now ^= ((before >> 4u * k & 15u) ^ r) << 4u * k;
       if (r != kNotDrawn) count[r >> 2u] += 1u << 8u * (r & 3u);
     }
     if (now != before) representations[word] = now;

@@ -4,6 +4,10 @@
 
 layout(local_size_x = 64) in;
 
+// The run that an invocation takes: those near the eye come early where the order of the grains allows, so that they
+// hide the others.
+uint runOf(uint invocation) { return swarm.last_first != 0u ? swarm.run_count - 1u - invocation : invocation; }
+
 struct Seen {
   vec2 pixel_px;
   float along;   // distance along the view axis, m; 0: not in the picture

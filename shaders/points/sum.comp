@@ -1,8 +1,11 @@
 // What the points that are not hidden add to the pixels around them: area, and colour times area. IDS: the
 // foremost point's id. SURFACES: roughness and metalness times area, where swarms differ in them.
-#include "points/splat.glsl"
+#include "shared/points.h"
 
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
+
+#include "points/run_hidden.glsl"
+
 layout(std430, binding = kPointSumsBinding) buffer Sums { uint sums[]; };  // r, g, b, area a pixel
 layout(std430, binding = kPointCarriesBinding) buffer Carries { uint carries[]; };
 #ifdef SURFACES
@@ -35,21 +38,24 @@ void add(ivec2 pixel, float area, vec3 color, vec2 surface) {
 }
 
 void main() {
-  uint run = gl_GlobalInvocationID.x;
-  if (run >= swarm.run_count) return;
-  uint grain = run * kRunGrains;
-  for (uint word = run * kRunWords; word < (run + 1u) * kRunWords; ++word, grain += 8u) {
-    uint all = representations[word];
-    for (uint k = 0u; all != 0u; all >>= 4u, ++k) {
-      if ((all & 15u) != kPoint) continue;
-      SwarmRecord record = records[grain + k];
+  if (gl_GlobalInvocationID.x >= swarm.run_count) return;
+  uint run = runOf(gl_GlobalInvocationID.x), first = run * kRunGrains, word = run * kRunWords, end = word + kRunWords;
+  SwarmRun bounds = runs[run];
+  RunSeen place = runSeenOf(bounds);
+  float most_band = pointBand(bounds.most_radius, place.farthest / view.pixels_at_1m);
+  float front = (place.nearest - kMeanFront * bounds.most_radius) * (1.0 - kRunSlack) - most_band * (1.0 + kRunSlack);
+  if (front > 0.0 && allNearer(place, pointKey(front) + 1u)) word = end;
+  for (; word < end; ++word, first += 8u)
+    for (uint points = pointsOf(representations[word]); points != 0u; points &= points - 1u) {
+      uint grain = first + (uint(findLSB(points)) >> 2u);
+      SwarmRecord record = records[grain];
       Seen seen = seenOf(record);
       if (seen.along == 0.0) continue;
       uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
       float pixel_m = seen.along / view.pixels_at_1m;
       if (seen.front > alongOf(keys[at]) + pointBand(seen.radius, pixel_m)) continue;
 #ifdef IDS
-      if (pointKey(seen.front) == keys[at]) atomicMax(ids[at], idOf(grain + k));
+      if (pointKey(seen.front) == keys[at]) atomicMax(ids[at], idOf(grain));
 #endif
       float radius_px = min(seen.radius * swarm.albedo.a / pixel_m, kLargestPointPx);
       vec2 corner = seen.pixel_px - 0.5;
@@ -62,5 +68,4 @@ void main() {
       add(base + ivec2(0, 1), shares.z, color, surface);
       add(base + ivec2(1, 1), shares.w, color, surface);
     }
-  }
 }

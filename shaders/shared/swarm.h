@@ -62,8 +62,8 @@ struct SwarmBlock {
   float metallic;
   float candidate_cell;  // cells of the candidate map, in sizes of a grain
   uint cull;             // 1: what the depth pyramid hides is not drawn
+  uint last_first;       // 1: the last of its runs are nearer than the first
   uint pad0;
-  uint pad1;
 };
 
 // std430: where the lists of the representations are, and what draws them.
@@ -86,7 +86,11 @@ struct SwarmCommands {
   DrawArraysCommand impostors[16];  // by representation; three vertices a grain: gl_VertexID / 3 is its place in the list
   DrawElementsCommand meshes[32];   // meshCommand(); the base instance is the first one's place in the list
   uint listed;                    // entries in the list so far
-  uint point_groups[3];           // work groups of 64 runs for programs that visit all points; 0: there is none
+  // Work groups of programs that have nothing to do in many a frame: then none.
+  uint point_groups[3];           // of 64 runs: those that visit all points
+  uint first_groups[3];           // those that list what is drawn first
+  uint late_groups[3];            // those that choose and list the rest
+  uint see_groups[3];             // of 8 x 8 pixels: those that note what is seen
 };
 
 // Place in SwarmCommands::meshes of a level, kMesh and so on, drawn first or not, and a part of it.
@@ -142,10 +146,11 @@ RULE vec3 tintOf(uint look) {
 RULE float roughnessOf(uint look) { return float(look >> 24u) * (1.0f / 255.0f); }
 
 // Outer radius as a share of the swarm's largest, and a number of the grain's own for patterns.
+const uint kRadiusSteps = 65535u;
 RULE uint packGrainSize(float share, uint seed) {
   return uint(clamp(share, 0.0f, 1.0f) * 65535.0f + 0.5f) | seed << 16u;
 }
-RULE float radiusOf(uint size, float largest) { return float(size & 65535u) * (largest / 65535.0f); }
+RULE float radiusOf(uint size, float largest) { return float(size & kRadiusSteps) * (largest / 65535.0f); }
 
 // A size in pixels grows without bound towards the eye; in the sphere it is this.
 const float kLargestPx = 1e9f;
