@@ -80,10 +80,11 @@ class SwarmStore {
   const GrainShape& shape(uint32_t handle) const;
   size_t shapeCount() const { return shapes_.size(); }
 
-  // Grains that are not finite, or have a radius that is not, or not above 0, are left out, and counted.
+  // Grains that are not finite, or have a radius that is not, or not above 0, are left out, and counted. They are
+  // stored in an order in which neighbours are near each other: runs of them are then hidden, or far, as a whole.
   uint32_t add(std::string name, uint32_t shape, std::span<const SwarmGrain> grains);
   // The same for many: `fill` writes records [first, first + records.size()), whose radii are shares of
-  // largest_radius (m, above 0), in several calls.
+  // largest_radius (m, above 0), in several calls. Stored as they come: in an order as above they draw much faster.
   using Fill = std::function<void(uint64_t first, std::span<rules::SwarmRecord> records)>;
   uint32_t add(std::string name, uint32_t shape, uint64_t count, float largest_radius, const Fill& fill);
   // New grains in place of the old; as many or not.
@@ -98,6 +99,7 @@ class SwarmStore {
     vec3 min{0}, max{0};   // of the centres, m
     uint64_t version = 0;  // goes up when the grains change
     std::vector<std::vector<rules::SwarmRecord>> chunks;  // kSwarmChunk each, but the last
+    std::vector<uint32_t> order;  // of grains as they were given, by place in space; of such swarms alone
   };
   const Stored& swarm(uint32_t handle) const;
   size_t swarmCount() const { return swarms_.size(); }

@@ -7,6 +7,7 @@
 
 #include "engine/core/log.h"
 #include "modules/lod/lod.h"
+#include "modules/lod/order.h"
 
 namespace scree {
 namespace {
@@ -18,13 +19,23 @@ bool allowed(const SwarmGrain& grain) {
          std::isfinite(grain.radius) && grain.radius > 0;
 }
 
+// Grains that moved keep their rows, as long as they are as many: what each was drawn as goes with it.
+void sortInSpace(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
+  if (stored.order.size() == grains.size()) return;
+  std::vector<vec3> positions(grains.size());
+  for (size_t k = 0; k < grains.size(); ++k) positions[k] = allowed(grains[k]) ? grains[k].position : vec3(0);
+  stored.order = lod::orderInSpace(positions);
+}
+
 void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
   stored.count = stored.refused = 0;
   stored.largest_radius = 0;
   for (const SwarmGrain& grain : grains)
     if (allowed(grain)) stored.largest_radius = std::max(stored.largest_radius, grain.radius);
   for (std::vector<rules::SwarmRecord>& chunk : stored.chunks) chunk.clear();
-  for (const SwarmGrain& grain : grains) {
+  sortInSpace(stored, grains);
+  for (const uint32_t given : stored.order) {
+    const SwarmGrain& grain = grains[given];
     if (!allowed(grain)) {
       ++stored.refused;
       continue;

@@ -1,5 +1,5 @@
 // Sums of the blocks' counts, where the lists begin, and the commands that draw them: one group, one
-// invocation a representation. FIRST: of the first lists in the frame; else of those of the rest, if there is any.
+// invocation a representation. FIRST: of the first lists in the frame.
 #include "lib/swarm.glsl"
 #include "lib/swarm_lists.glsl"
 
@@ -15,9 +15,6 @@ void main() {
   uint representation = gl_LocalInvocationID.x;
   bool listed = (swarm.listed >> representation & 1u) != 0u;
   uint sum = 0u, blocks = blockCount(swarm.run_count);
-#ifndef FIRST
-  if (commands.late_groups[0] == 0u) blocks = 0u;
-#endif
   for (uint block = 0u; block < blocks; ++block) {
     uint at = prefixOfBlock(block, swarm.run_count) + representation;
     uint count = prefix[at];

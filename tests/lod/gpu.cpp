@@ -102,6 +102,67 @@ TEST_F(Routing, IsTheCpusAndListsAreInOrder) {
   }
 }
 
+// Runs that lie in one place each: many are points as a whole, or outside, beside those that are looked at.
+TEST_F(Routing, OfCompactRunsToo) {
+  for (const size_t count : {size_t{64}, size_t{65}, size_t{100003}})
+    for (const double away : {2.0, 40.0, 120.0}) {
+      SwarmScene scene;
+      GrainShape shape = scene.ballShape();
+      shape.impostor = {{0.1f, 0.1f, 1}, {40, 0.4f, 1}};
+      scene.look({0, 0, away}, {0.7 * away, 0, 0});
+      std::vector<SwarmGrain> grains = cloud(count, 2, 0.02f, 0.3f);
+      for (size_t k = 0; k < grains.size(); ++k) {
+        const size_t run = k / rules::kRunGrains;
+        const auto unit = [&](uint32_t at) { return randomUnit(3, run, 0, at); };
+        grains[k].position = 0.05f * grains[k].position + (vec3(unit(0), unit(1), unit(2)) * 2.0f - 1.0f) * vec3(60, 20, 20);
+      }
+      scene.show(scene.world.singleton<SwarmStore>().addShape(shape), grains);
+      expectRoutes(scene, 0, (std::to_string(count) + " from " + std::to_string(away)).c_str());
+    }
+}
+
+// Lists that had grains in the last frame are empty in one that has none of them.
+TEST_F(Routing, ListsEmptyAgain) {
+  SwarmScene scene;
+  GrainShape shape = scene.ballShape();
+  shape.impostor = {{0.1f, 0.1f, 1}, {40, 0.4f, 1}};
+  scene.show(scene.world.singleton<SwarmStore>().addShape(shape), cloud(3000, 2, 0.02f, 0.3f));
+  const auto listed = [&] {
+    size_t all = 0;
+    for (uint32_t r = rules::kSmallImpostor; r < rules::kRepresentations; ++r) all += listOf(scene.drawn().part(0), r).size();
+    return all;
+  };
+  for (int round = 0; round < 3; ++round) {
+    scene.look({0, 0, 5}, {0, 0, 0});
+    scene.render();
+    EXPECT_GT(listed(), 1000u) << round;
+    scene.look({0, 0, 5000}, {0, 0, 0});  // all are points
+    scene.render();
+    EXPECT_EQ(listed(), 0u) << round;
+    scene.look({0, 0, 5}, {0, 0, 10});  // behind the eye
+    scene.render();
+    EXPECT_EQ(listed(), 0u) << round;
+  }
+}
+
+TEST_F(Routing, WhatWasSeenIsDrawnFirst) {
+  SwarmScene scene;
+  scene.look({0, 0, 3}, {0, 0, 0});
+  scene.show(scene.addShape(), cloud(2000, 1, 0.02f, 0.1f));
+  scene.render();
+  const std::vector<uint32_t> visible = gpu::readUints(scene.app.frame().texture(kSwarmVisible), 1);
+  scene.render();
+  const lod::Part& part = static_cast<const lod::Part&>(scene.drawn().part(0));
+  const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.chunk->representations, 2000 / 8);
+  size_t shown = 0;
+  for (const uint32_t number : visible) {
+    if (number == 0) continue;
+    ++shown;
+    EXPECT_GE(words[(number - 1) / 8] >> 4 * ((number - 1) % 8) & 15, rules::kFirst) << "grain " << number - 1;
+  }
+  EXPECT_GT(shown, 1000u);
+}
+
 TEST_F(Routing, EmptySwarmsAndNoSwarms) {
   SwarmScene scene;
   scene.render();

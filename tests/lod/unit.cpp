@@ -3,11 +3,13 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "engine/core/random.h"
 #include "modules/lod/lod.h"
+#include "modules/lod/order.h"
 #include "tests/deferred/studio.h"
 
 namespace scree::test {
@@ -156,6 +158,54 @@ TEST(SwarmStores, RefuseWhatIsNotFinite) {
   EXPECT_EQ(store.swarm(swarm).count, 1u);
   EXPECT_EQ(store.swarm(swarm).refused, 5u);
   EXPECT_EQ(store.swarm(store.add("empty", handle, std::span<const SwarmGrain>{})).count, 0u);
+}
+
+TEST(SwarmStores, NeighboursInTheListAreNeighboursInSpace) {
+  constexpr uint32_t kSide = 32;
+  std::vector<uint32_t> shuffled(kSide * kSide * kSide);
+  for (uint32_t k = 0; k < shuffled.size(); ++k) shuffled[k] = k;
+  for (uint32_t k = 0; k < shuffled.size(); ++k) std::swap(shuffled[k], shuffled[static_cast<size_t>(randomUnit(1, k, 0, 0) * static_cast<float>(k))]);
+  std::vector<vec3> positions;
+  for (const uint32_t k : shuffled) positions.emplace_back(glm::uvec3(k % kSide, k / kSide % kSide, k / kSide / kSide));
+  const std::vector<uint32_t> order = lod::orderInSpace(positions);
+  std::vector<bool> known(order.size());
+  for (const uint32_t k : order) known[k] = true;
+  EXPECT_EQ(std::count(known.begin(), known.end(), true), static_cast<long>(order.size())) << "each once";
+  for (size_t first = 0; first < order.size(); first += 64) {
+    vec3 low(1e30f), high(-1e30f);
+    for (size_t k = first; k < first + 64; ++k) low = glm::min(low, positions[order[k]]), high = glm::max(high, positions[order[k]]);
+    ASSERT_EQ(high - low, vec3(3)) << "64 of a lattice are a cube of four";
+  }
+  // Boxes without a size, or of all that floats hold.
+  EXPECT_EQ(lod::orderInSpace(std::vector<vec3>(3, vec3(1e30f))), (std::vector<uint32_t>{0, 1, 2}));
+  const float most = std::numeric_limits<float>::max();
+  EXPECT_EQ(lod::orderInSpace(std::vector<vec3>{vec3(most), vec3(0), vec3(-most)}), (std::vector<uint32_t>{2, 1, 0}));
+}
+
+TEST(SwarmStores, GrainsThatMoveKeepTheirRows) {
+  SwarmStore store;
+  GrainShape shape;
+  shape.levels = {{0, 0}};
+  const uint32_t handle = store.addShape(shape);
+  std::vector<SwarmGrain> grains(100);
+  for (size_t k = 0; k < grains.size(); ++k) {
+    grains[k].position = vec3(randomUnit(1, k, 0, 0), randomUnit(1, k, 0, 1), randomUnit(1, k, 0, 2));
+    grains[k].seed = static_cast<uint16_t>(k);
+  }
+  const uint32_t swarm = store.add("moving", handle, grains);
+  const auto seeds = [&] {
+    std::vector<uint32_t> all;
+    for (const rules::SwarmRecord& r : store.swarm(swarm).chunks[0]) all.push_back(r.size >> 16);
+    return all;
+  };
+  const std::vector<uint32_t> before = seeds();
+  for (SwarmGrain& grain : grains) grain.position = vec3(grain.position.y, -grain.position.z, 3 * grain.position.x);
+  store.replace(swarm, grains);
+  EXPECT_EQ(seeds(), before);
+  grains.pop_back();
+  store.replace(swarm, grains);
+  EXPECT_EQ(seeds().size(), 99u);
+  EXPECT_NE(seeds(), std::vector<uint32_t>(before.begin(), before.end() - 1)) << "sorted anew";
 }
 
 TEST(MeshLevels, ErrorsHoldAgainstTheMesh) {

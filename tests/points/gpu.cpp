@@ -94,6 +94,34 @@ TEST_F(Points, IdsAreOfGrainsAround) {
   EXPECT_EQ(shown.size(), kSwarms);
 }
 
+// Runs of grains in the order of space, of which most are hidden as a whole; and in no order, where none is.
+TEST_F(Points, HiddenRunsChangeNothing) {
+  for (const float radius : {0.25f, 0.6f}) {
+    std::vector<SwarmGrain> grains = cloud(60000, 9, 0.4f * radius, radius);
+    const auto pictureOf = [&](bool in_order) {
+      PointScene scene({64, 48});
+      scene.sun({0.4, 1, 0.6});
+      SwarmStore& store = scene.world.singleton<SwarmStore>();
+      const uint32_t ball = scene.addBall();
+      const uint32_t sorted = store.add("sorted", ball, grains);
+      const float largest = store.swarm(sorted).largest_radius;
+      const uint32_t given = store.add("given", ball, grains.size(), largest, [&](uint64_t first, std::span<rules::SwarmRecord> records) {
+        for (size_t k = 0; k < records.size(); ++k) records[k] = packed(grains[first + k], largest);
+      });
+      scene.world.spawn(Transform{}, Swarm{in_order ? sorted : given});
+      uint64_t hash = 0;
+      for (const dvec3& from : {dvec3(0, 40, 120), dvec3(-100, -60, 10), dvec3(3, 2, 14), dvec3(0, 0, 4)}) {
+        scene.look(from, {0, 0, 0}, static_cast<float>(2 * std::atan(24 / glm::length(from))));
+        scene.render();
+        const std::vector<float> radiance = scene.floats(kRadiance, 4);
+        hash = hashBytes(radiance.data(), radiance.size() * sizeof(float), hash);
+      }
+      return hash;
+    };
+    EXPECT_EQ(pictureOf(true), pictureOf(false)) << radius;
+  }
+}
+
 double deviation(const std::vector<double>& values) {
   double sum = 0, sum2 = 0;
   for (const double v : values) sum += v, sum2 += v * v;
