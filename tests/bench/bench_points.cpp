@@ -1,10 +1,11 @@
-// Grains below a pixel: a bed of a million by the module beside GL_POINTS of one pixel, time against the error of
-// the picture, and the module's error by radius.
+// Grains below a pixel: a heap of balls from afar, by the module beside GL_POINTS of one pixel: time, light and
+// flicker against many samples a pixel of meshes.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <vector>
 
 #include "engine/app/app.h"
 #include "engine/core/hash.h"
@@ -24,8 +25,18 @@
 namespace scree::bench {
 namespace {
 
-constexpr ivec2 kSize{640, 360};
-constexpr int kTruthSamples = 16;
+// What --quick changes.
+struct Plan {
+  size_t balls;
+  ivec2 size;
+  int samples;  // of the reference
+  std::vector<double> distances_m;
+};
+Plan planOf(bool quick) {
+  if (quick) return {100'000, {640, 360}, 16, {8, 20, 50}};
+  return {1'600'000, {1280, 720}, 64, {6, 8, 20, 50}};
+}
+constexpr double kFovY = 0.8, kElevation = 0.5236;  // rad: 30 degrees
 
 // An octahedron whose triangles were split in four twice, corners on the unit sphere.
 MeshData ballMesh() {
@@ -109,22 +120,49 @@ struct GlPoints {
 
 enum class Way { Grains, GlPoints };
 
-// A bed of balls of this radius in pixels, seen from 30 degrees above it.
+// Balls at the places of densely packed ones, shaken: a cone 1 m in radius and 0.6 m high.
+struct Heap {
+  std::vector<SwarmGrain> balls;
+  float radius = 0;  // m
+  Heap() = default;
+  explicit Heap(size_t about) {
+    const float volume = std::numbers::pi_v<float> / 3 * 0.6f;
+    radius = std::cbrt(volume / (std::sqrt(32.0f) * static_cast<float>(about)));
+    const float step = std::sqrt(2.0f) * radius;
+    const int across = static_cast<int>(1 / step) + 1;
+    for (int y = 0; y <= across; ++y)
+      for (int z = -across; z <= across; ++z)
+        for (int x = -across; x <= across; ++x) {
+          if (((x + y + z) & 1) != 0) continue;
+          const auto unit = [&](uint32_t at) { return randomUnit(1, balls.size(), static_cast<uint64_t>(y), at); };
+          const vec3 p = vec3(x, y, z) * step + (vec3(unit(0), unit(1), unit(2)) - 0.5f) * (0.3f * radius);
+          if (p.y < 0 || std::hypot(p.x, p.z) >= 1 - p.y / 0.6f) continue;
+          const float tint = 0.3f + 0.4f * unit(3);
+          balls.push_back({.position = p, .radius = radius, .tint = vec3(tint, 0.8f * tint, 0.6f * tint)});
+        }
+  }
+};
+
+// The heap from a distance, 30 degrees above the ground.
 struct Picture {
   App app{AppOptions{}};
   World& world = app.world();
+  ivec2 size;
   GlPoints gl_points;
   gpu::Buffer records;  // of GL_POINTS
-  uint64_t count;
+  size_t count;
+  Entity heap, camera;
   dvec3 eye;
 
-  Picture(Way way, float radius, uint64_t grains) : count(grains) {
+  Picture(Way way, ivec2 output, const Heap& balls)
+      : size(output), count(balls.balls.size()) {
     addScene(app);
     addDeferred(app);
     addOcclusion(app);
     addLod(app);
     addPoints(app);
     app.frame().keep(kRadiance, true);
+    app.frame().keep(kGbufferId, true);
     app.addPass({.name = "bench.gl_points",
                  .stage = Stage::GeometryLate,
                  .needs_text = "the way of the bench",
@@ -136,37 +174,37 @@ struct Picture {
     const MeshData mesh = ballMesh();
     if (!addLevels(world.singleton<MeshStore>(), shape, std::span(&mesh, 1)).ok()) fail("bench points: no mesh");
     setMeanLook(world.singleton<MaterialStore>(), shape, std::span(&mesh, 1));
-    shape.cast_share = 1;
-    const double distance = 600, sine = 0.5, width = 1.15 * kSize.x, length = 1.3 * kSize.y / sine;
-    const double depth = static_cast<double>(count) * 4 / 3 * std::numbers::pi * std::pow(static_cast<double>(radius), 3) / (0.56 * width * length);
-    const auto fill = [&](uint64_t first, std::span<rules::SwarmRecord> made) {
-      for (size_t k = 0; k < made.size(); ++k) {
-        const auto unit = [&](uint32_t at) { return randomUnit(1, first + k, 0, at); };
-        const float tint = 0.3f + 0.4f * unit(3);
-        made[k] = packed({.position = vec3((unit(0) - 0.5f) * static_cast<float>(width), -unit(1) * static_cast<float>(depth),
-                                              (unit(2) - 0.5f) * static_cast<float>(length)),
-                             .radius = radius,
-                             .tint = vec3(tint, 0.8f * tint, 0.6f * tint)},
-                         radius);
-      }
-    };
     if (way == Way::GlPoints) {
       std::vector<rules::SwarmRecord> all(count);
-      fill(0, all);
+      for (size_t k = 0; k < count; ++k) all[k] = packed(balls.balls[k], balls.radius);
       records = gpu::Buffer("bench.records", all.size() * sizeof(all[0]), all.data());
     } else {
-      world.spawn(Transform{}, Swarm{world.singleton<SwarmStore>().add("bed", world.singleton<SwarmStore>().addShape(shape), count, radius, fill)});
+      SwarmStore& store = world.singleton<SwarmStore>();
+      heap = world.spawn(Transform{}, Swarm{store.add("heap", store.addShape(shape), balls.balls)});
     }
-    eye = dvec3(0, sine, std::sqrt(1 - sine * sine)) * distance;
-    const auto turned = [](dvec3 z) {
-      const dvec3 x = glm::normalize(glm::cross(dvec3(0, 1, 0), z));
-      return quat(glm::quat_cast(glm::dmat3(x, glm::cross(z, x), z)));
-    };
-    const Transform at{eye, turned(glm::normalize(eye)), vec3(1)};
-    world.singleton<ActiveCamera>().entity = world.spawn(
-        at, previousOf(at), Camera{.fov_y_rad = static_cast<float>(2 * std::atan(0.5 * kSize.y / distance)), .near_m = 1});
+    camera = world.spawn(Transform{}, PreviousTransform{}, Camera{});
+    world.singleton<ActiveCamera>().entity = camera;
     const Transform sun{dvec3(0), turned(glm::normalize(dvec3(0.5, 1, 0.7))), vec3(1)};
     world.spawn(sun, previousOf(sun), Light{.intensity = 3});
+    look(8);
+  }
+  static quat turned(dvec3 z) {
+    const dvec3 x = glm::normalize(glm::cross(dvec3(0, 1, 0), z));
+    return quat(glm::quat_cast(glm::dmat3(x, glm::cross(z, x), z)));
+  }
+  // `aside`: pixels by which the picture slides.
+  void look(double distance, double aside = 0) {
+    const dvec3 out(0, std::sin(kElevation), std::cos(kElevation));
+    const double pixel_m = distance * 2 * std::tan(0.5 * kFovY) / size.y;
+    eye = dvec3(aside * pixel_m, 0.2, 0) + out * distance;
+    const Transform at{eye, turned(out), vec3(1)};
+    *world.find<Transform>(camera) = at;
+    *world.find<PreviousTransform>(camera) = previousOf(at);
+    *world.find<Camera>(camera) = {static_cast<float>(kFovY), 0.1f};
+  }
+  void castShadows(bool cast) {
+    if (cast) world.add(heap, CastsShadow{});
+    if (!cast) world.remove<CastsShadow>(heap);
   }
   void drawGlPoints() {
     records.bindStorage(rules::kSwarmRecordsBinding);
@@ -174,27 +212,77 @@ struct Picture {
   }
   void render(uint32_t representation = rules::kPoint, int samples = 1) {
     world.singleton<LodSettings>().only = representation;
-    app.render(kSize, 1, 1, samples);
+    app.render(size, 1, 1, samples);
     glFinish();
   }
-  std::vector<float> radiance(std::string_view target = kRadiance) { return gpu::readFloats(app.frame().texture(target), 4); }
+  std::vector<double> luminance(std::string_view target = kRadiance) {
+    const std::vector<float> p = gpu::readFloats(app.frame().texture(target), 4);
+    std::vector<double> all(p.size() / 4);
+    for (size_t k = 0; k < all.size(); ++k)
+      all[k] = 0.2126 * static_cast<double>(p[4 * k]) + 0.7152 * static_cast<double>(p[4 * k + 1]) + 0.0722 * static_cast<double>(p[4 * k + 2]);
+    return all;
+  }
+  std::vector<double> truth(int samples) {
+    render(rules::kMesh, samples);
+    return luminance(kTruth);
+  }
+  // Pixels around which there are grains on all sides.
+  std::vector<bool> inside() {
+    const std::vector<uint32_t> ids = gpu::readUints(app.frame().texture(kGbufferId), 1);
+    std::vector<bool> all(ids.size());
+    for (int y = 1; y + 1 < size.y; ++y)
+      for (int x = 1; x + 1 < size.x; ++x) {
+        bool every = true;
+        for (int k = 0; k < 9; ++k) every = every && ids[static_cast<size_t>((y + k / 3 - 1) * size.x + x + k % 3 - 1)] != 0;
+        all[static_cast<size_t>(y * size.x + x)] = every;
+      }
+    return all;
+  }
 };
 
 struct Error {
   double mean = 0;   // of the luminance's mean, relative
   double pixel = 0;  // root mean square over the pixels, relative to the mean
+  size_t pixels = 0;
 };
-Error errorOf(const std::vector<float>& drawn, const std::vector<float>& truth) {
+Error errorOf(const std::vector<double>& drawn, const std::vector<double>& truth, const std::vector<bool>& where) {
   double sum = 0, wanted = 0, square = 0;
-  const auto luminance = [](const float* p) {
-    return 0.2126 * static_cast<double>(p[0]) + 0.7152 * static_cast<double>(p[1]) + 0.0722 * static_cast<double>(p[2]);
-  };
-  for (size_t k = 0; k < drawn.size(); k += 4) {
-    const double a = luminance(&drawn[k]), b = luminance(&truth[k]);
-    sum += a, wanted += b, square += (a - b) * (a - b);
+  size_t pixels = 0;
+  for (size_t k = 0; k < drawn.size(); ++k)
+    if (where[k]) sum += drawn[k], wanted += truth[k], square += (drawn[k] - truth[k]) * (drawn[k] - truth[k]), ++pixels;
+  const auto n = static_cast<double>(pixels);
+  return {sum / wanted - 1, std::sqrt(square / n) / (wanted / n), pixels};
+}
+
+double deviation(const std::vector<double>& values) {
+  double sum = 0, sum2 = 0;
+  for (const double v : values) sum += v, sum2 += v * v;
+  const auto n = static_cast<double>(values.size());
+  return std::sqrt(std::max(sum2 / n - sum * sum / n / n, 0.0));
+}
+
+// Mean over the heap's pixels of how much each changes while the picture slides by a pixel: points / 16 samples.
+double flicker(Picture& picture, double distance) {
+  constexpr int kSteps = 8;
+  std::vector<std::vector<double>> points, samples;
+  std::vector<bool> where;
+  for (int step = 0; step < kSteps; ++step) {
+    picture.look(distance, static_cast<double>(step) / kSteps);
+    picture.render();
+    points.push_back(picture.luminance());
+    const std::vector<bool> inside = picture.inside();
+    where.resize(inside.size(), true);
+    for (size_t k = 0; k < inside.size(); ++k) where[k] = where[k] && inside[k];
+    samples.push_back(picture.truth(16));
   }
-  const double pixels = static_cast<double>(drawn.size()) / 4;
-  return {std::abs(sum / wanted - 1), std::sqrt(square / pixels) / (wanted / pixels)};
+  double of_points = 0, of_samples = 0;
+  for (size_t k = 0; k < where.size(); ++k) {
+    if (!where[k]) continue;
+    std::vector<double> a, b;
+    for (int step = 0; step < kSteps; ++step) a.push_back(points[static_cast<size_t>(step)][k]), b.push_back(samples[static_cast<size_t>(step)][k]);
+    of_points += deviation(a), of_samples += deviation(b);
+  }
+  return of_points / of_samples;
 }
 
 }  // namespace
@@ -202,34 +290,52 @@ Error errorOf(const std::vector<float>& drawn, const std::vector<float>& truth) 
 SCREE_BENCH(points, "grains below a pixel: splatted and summed, beside GL_POINTS") {
   openContext();
   bench.fact("gl_renderer", gpu::limits().renderer);
-  constexpr uint64_t kMillion = 1000000;
-  const auto row = [&](const char* scenario, Picture& picture, const char* label, double time_ms, const std::vector<float>& truth, bool baseline) {
-    picture.render();
-    const std::vector<float> drawn = picture.radiance();
-    const Error error = errorOf(drawn, truth);
-    bench.row({.scenario = scenario,
-               .label = label,
-               .time_ms = time_ms,
-               .error = error.pixel,
-               .error_kind = "root mean square of the luminance against 16 samples a pixel of meshes / its mean",
-               .hash = hashBytes(drawn.data(), drawn.size() * sizeof(float)),
-               .baseline = baseline,
-               .measured = {{"mean luminance, %", 100 * error.mean}}});
-    return error;
-  };
-  {
-    Picture points(Way::Grains, 0.4f, kMillion), gl_points(Way::GlPoints, 0.4f, kMillion), empty(Way::GlPoints, 0.4f, 1);
+  bench.sweeps("distance, m");
+  const Plan plan = planOf(bench.quick());
+  const Heap heap(plan.balls);
+  Picture points(Way::Grains, plan.size, heap), gl_points(Way::GlPoints, plan.size, heap), empty(Way::Grains, plan.size, Heap());
+  double worst_mean = 0, worst_shadowed = 0, worst_pixel = 0, least_gain = 1e30;
+  for (const double distance : plan.distances_m) {
+    for (Picture* picture : {&points, &gl_points, &empty}) picture->look(distance);
     const Paired timed = bench.paired({{"points", [&] { points.render(); }}, {"GL_POINTS", [&] { gl_points.render(); }}, {"an empty frame", [&] { empty.render(); }}});
-    points.render(rules::kMesh + 3, bench.quick() ? 4 : kTruthSamples);
-    const std::vector<float> truth = points.radiance(kTruth);
-    const Error ours = row("a million of 0.4 px", points, "points", timed.variants[0].median_ms, truth, false);
-    const Error theirs = row("a million of 0.4 px", gl_points, "GL_POINTS", timed.variants[1].median_ms, truth, true);
-    const double frame = timed.variants[2].median_ms;
-    bench.claimAtLeast("time of GL_POINTS / points, without an empty frame's",
-                       (timed.variants[1].median_ms - frame) / (timed.variants[0].median_ms - frame), 15);
-    bench.claimAtMost("error of points / GL_POINTS", ours.pixel / theirs.pixel, 0.5);
-    bench.claimAtMost("error of the mean luminance, %", 100 * ours.mean, 3);
+    const double frame = timed.variants[2].median_ms, radius_px = static_cast<double>(heap.radius) * plan.size.y / (2 * std::tan(0.5 * kFovY) * distance);
+    bench.progress("points: {} m, radius {:.2f} px, an empty frame {:.1f} ms", distance, radius_px, frame);
+    points.render();
+    const std::vector<bool> inside = points.inside();
+    const std::vector<double> drawn = points.luminance();
+    const std::vector<double> truth = points.truth(plan.samples);
+    points.castShadows(true);
+    points.render();
+    const std::vector<double> shadowed = points.luminance();
+    const double shadowed_mean = errorOf(shadowed, points.truth(plan.samples), inside).mean;
+    points.castShadows(false);
+    gl_points.render();
+    const std::vector<double> theirs = gl_points.luminance();
+    const Error error = errorOf(drawn, truth, inside), baseline = errorOf(theirs, truth, inside);
+    const auto row = [&](const char* label, size_t way, const Error& e, const std::vector<double>& picture, double shadows) {
+      bench.row({.scenario = fmt::format("{} balls from {} m, radius {:.2f} px", heap.balls.size(), distance, radius_px),
+                 .label = label,
+                 .knobs = {{"distance, m", distance}},
+                 .time_ms = timed.variants[way].median_ms,
+                 .error = e.pixel,
+                 .error_kind = fmt::format("root mean square of the luminance against {} samples a pixel of meshes / its mean", plan.samples),
+                 .hash = hashBytes(picture.data(), picture.size() * sizeof(double)),
+                 .baseline = way == 1,
+                 .measured = {{"mean luminance, %", 100 * e.mean}, {"with shadows, %", 100 * shadows}, {"pixels", e.pixels}, {"an empty frame, ms", frame}}});
+    };
+    row("points", 0, error, drawn, shadowed_mean);
+    row("GL_POINTS", 1, baseline, theirs, 0);
+    worst_mean = std::max(worst_mean, std::abs(error.mean));
+    worst_shadowed = std::max(worst_shadowed, std::abs(shadowed_mean));
+    worst_pixel = std::max(worst_pixel, error.pixel / baseline.pixel);
+    least_gain = std::min(least_gain, (timed.variants[1].median_ms - frame) / std::max(timed.variants[0].median_ms - frame, 1e-3));
   }
+  bench.claimAtLeast("time of GL_POINTS / points, without an empty frame's, least of the distances", least_gain, 15);
+  bench.claimAtMost("error of the mean luminance, %, worst of the distances", 100 * worst_mean, 2);
+  bench.claimAtMost("the same with shadows", 100 * worst_shadowed, 2);
+  bench.claimAtMost("error of a pixel, points / GL_POINTS", worst_pixel, 0.5);
+  Picture slid(Way::Grains, {160, 90}, Heap(20'000));
+  bench.claimAtMost("flicker over a slide of a pixel, points / 16 samples", flicker(slid, 4), 1);
 }
 
 }  // namespace scree::bench
