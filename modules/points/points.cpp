@@ -112,11 +112,11 @@ void splatSums(Points& points, ivec2 size, unsigned features) {
   points.eachPart([](const SwarmPart& part) { dispatch(part); });
 }
 
-// Luminance of skyIrradianceOverPi: how it grows with a normal's height, and with its square.
-vec2 skyByHeight(const Sky& sky) {
+// Luminance of the sky: constant, by height, by its square.
+vec3 skyLuminance(const Sky& sky) {
   const rules::SkyPolynomial p = rules::skyPolynomial(sky.zenith, sky.horizon, sky.ground);
   const vec3 luminance(0.2126f, 0.7152f, 0.0722f);
-  return {glm::dot(vec3(p.b), luminance) * (2.0f / 3.0f), glm::dot(vec3(p.c), luminance) * 0.25f};
+  return {glm::dot(vec3(p.a), luminance), glm::dot(vec3(p.b), luminance), glm::dot(vec3(p.c), luminance)};
 }
 
 void resolve(Points& points, unsigned features) {
@@ -127,7 +127,7 @@ void resolve(Points& points, unsigned features) {
   program.set(kSurface, vec2(shape.roughness, shape.metallic));
   program.set(kToSun, sun.present ? sun.to_sun : vec3(0));
   program.set(kLeastArea, kLeastShare);
-  program.set(kSky, skyByHeight(points.world.singleton<const Sky>()));
+  program.set(kSky, skyLuminance(points.world.singleton<const Sky>()));
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.sums.bindStorage(rules::kPointSumsBinding);
   points.carries.bindStorage(rules::kPointCarriesBinding);

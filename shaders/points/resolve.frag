@@ -1,6 +1,6 @@
 // The pixels that points cover, into the G-buffer; their sums are emptied.
 #include "lib/gbuffer.glsl"
-#include "shared/bed.h"
+#include "shared/bed_gloss.h"
 #include "shared/points.h"
 
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
@@ -16,7 +16,7 @@ layout(std430, binding = kPointIdsBinding) readonly buffer Ids { uint ids[]; };
 layout(location = 0) uniform vec2 surface;      // roughness, metalness
 layout(location = 1) uniform vec3 to_sun;       // 0: there is none
 layout(location = 2) uniform float least_area;  // share of a pixel
-layout(location = 3) uniform vec2 sky;          // how its light grows with the height of a normal, and its square
+layout(location = 3) uniform vec3 sky;          // luminance: constant, by height, by its square
 
 in vec3 ray;
 
@@ -86,14 +86,11 @@ void main() {
   vec3 to_eye = -normalize(ray);
   vec3 up = surfaceNormal(pixel, uintBitsToFloat(key));
   vec3 shares = bedShares(bedSteepness(dot(to_eye, up), kBedPacking * min(area, 1.0)));
-  float height = bedHeight(bedHeights(to_eye, up, shares), sky.x, sky.y);
-  bool sunny = dot(to_sun, to_sun) > 0.5;
-  float base = dot(s.albedo, kLuminance), cosine = 0.0;
-  if (sunny)
-    cosine = bedCosine(to_eye, to_sun, up, shares, height, base * (1.0 - look.y), mix(kDielectricF0, base, look.y), look.x);
-  s.normal_ws = sunny ? bedNormal(to_eye, to_sun, cosine, height)
-                      : bedNormal(to_eye, vec3(0.0, 1.0, 0.0), height, height);
-  s.roughness = max(look.x, kBedLeastRoughness);
+  float base = dot(s.albedo, kLuminance);
+  BedSurface flat_surface = bedSurface(to_eye, to_sun, up, shares, base, mix(kDielectricF0, base, look.y), look.x, look.y, sky);
+  s.normal_ws = flat_surface.normal;
+  s.albedo = clamp(s.albedo * flat_surface.share + flat_surface.white, 0.0, 1.0);
+  s.roughness = bedRoughness(look.x, look.y);
 #ifdef MOTION
   vec3 previous = ray * along + view.camera_delta.xyz;
   s.motion_px = motionFromPrevious((view.previous_clip_from_relative * vec4(previous, 1.0)).xyw, gl_FragDepth);

@@ -1,5 +1,5 @@
 // Rules of light from a bed of balls of which none is seen by itself: which sides of them are seen, what these
-// reflect, and the flat surface that reflects as much.
+// receive, and the normal that receives as much. Their gloss: shared/bed_gloss.h.
 //
 // Model: balls at random, their centres below a plane whose normal is `up`. A side with normal n is seen if no
 // other centre lies within a radius of the ray from there to the eye; the volume of that tube grows with the depth
@@ -99,35 +99,6 @@ RULE vec3 bedNormal(vec3 to_eye, vec3 to_light, float cosine, float height) {
                      to_light.x * side.y - to_light.y * side.x);
   float last = sqrt(max(rest * rest - along * along, 0.0f));
   return to_light * cosine + side * along + across * (dot(across, to_eye) < 0.0f ? -last : last);
-}
-
-// The flat surface has at least this roughness: on one that is smoother the sun would flash, where balls show it
-// whatever their turn is.
-const float kBedLeastRoughness = 0.5f;
-
-// The cosine to the light of a normal with which the flat surface reflects as much of it as the balls do, gloss
-// included, which on balls does not depend on where the light is: balls that are mirrors reflect
-// F / 4 shares(h) / seen of a beam, / pi. Roughness blurs that; a flat surface of roughness 1 that faces eye and light
-// alike reflects F / 4 itself, so that the difference is made up for to the share of 1 - alpha (measured: README.md).
-// `base`: luminance of what leaves with the cosine; f0: of the gloss.
-RULE float bedCosine(vec3 to_eye, vec3 to_light, vec3 up, vec3 shares, float height, float base, float f0, float roughness) {
-  float cosine = bedTowards(to_eye, to_light, up, shares), gained = cosine;
-  float strength = 1.0f - alphaFromRoughness(roughness);
-  vec3 h = to_eye + to_light;
-  float h2 = dot(h, h);
-  if (!(h2 > 1e-6f && strength > 0.0f && base > 0.0f)) return cosine;
-  h = h * (1.0f / sqrt(h2));
-  float w = schlickWeight(dot(to_eye, h)), f = f0 + (1.0f - f0) * w, t = dot(up, h);
-  float mirrors = 0.25f * (shares.x + shares.y * t + shares.z * t * t) / bedSeen(shares, dot(to_eye, up));
-  float alpha = alphaFromRoughness(max(roughness, kBedLeastRoughness));
-  // The flat surface's own gloss changes with its normal: half of each step suffices to settle.
-  for (int k = 0; k < 3; ++k) {
-    vec3 n = bedNormal(to_eye, to_light, gained, height);
-    float n_l = max(gained, 1e-3f), n_v = clamp(dot(n, to_eye), 1e-3f, 1.0f), n_h = clamp(dot(n, h), 0.0f, 1.0f);
-    float flat_gloss = kPi * n_l * ggxDistributionVisibility(n_h, n_v, n_l, alpha);
-    gained = clamp(0.5f * (gained + cosine + strength * f * (mirrors - flat_gloss) / base), 0.0f, 1.0f);
-  }
-  return gained;
 }
 
 // The normal of a plane, towards the eye, from how 1 / (distance along the view axis) changes from pixel to pixel,

@@ -23,11 +23,12 @@ const dvec3 kSuns[] = {{0.2, 1, 0.8}, {0.1, 0.4, 1}, {1, 0.8, 0}, {-1, 0.4, 0.1}
 // The eye looks at the bed's middle from this angle above it; one pixel there is 1 m, and all of the picture is bed.
 struct BedScene : PointScene {
   std::vector<SwarmGrain> grains;
-  BedScene(float radius, double elevation_deg, float roughness = 1, float metallic = 0) : PointScene({32, 24}) {
+  BedScene(float radius, double elevation_deg, float roughness = 1, float metallic = 0, float shade = 1) : PointScene({32, 24}) {
     const double e = elevation_deg * std::numbers::pi / 180, distance = 200;
     look(dvec3(0, std::sin(e), std::cos(e)) * distance, {0, 0, 0}, static_cast<float>(2 * std::atan(0.5 * size.y / distance)));
     const float half_z = static_cast<float>(0.5 * size.y / std::sin(e)) * 1.5f + 2;
     grains = pouredBed(radius, {0.5f * static_cast<float>(size.x) * 1.3f + 2, half_z}, 6 * radius);
+    for (SwarmGrain& grain : grains) grain.tint *= shade;
     show(addBall(vec3(1), roughness, metallic), grains);
   }
 };
@@ -58,6 +59,29 @@ TEST_F(PointLight, OfABedIsThatOfManyRays) {
       }
     }
   }
+}
+
+TEST_F(PointLight, DISABLED_Explore) {
+  for (const float roughness : {1.0f, 0.7f, 0.45f, 0.2f})
+    for (const float shade : {1.0f, 0.15f})
+      for (const double elevation : {80.0, 45.0, 22.0, 12.0}) {
+        BedScene scene(0.3f, elevation, roughness, 0, shade);
+        const SeenByRays seen(scene, scene.grains);
+        Entity sun{};
+        for (const Weather& weather : kWeathers) {
+          scene.world.singleton<Sky>() = weather.sky;
+          std::printf("rough %.2f shade %.2f elev %.0f %s:", double(roughness), double(shade), elevation, weather.name);
+          for (const dvec3& to_sun : kSuns) {
+            if (scene.world.alive(sun)) scene.world.destroy(sun);
+            sun = weather.lux > 0 ? scene.sun(to_sun, vec3(1), weather.lux) : Entity{};
+            scene.render();
+            const double points = meanLuminance(scene.radiance());
+            std::printf(" %+.1f", 100 * (points / seen.lit(weather.sky, vec3(glm::normalize(to_sun)), weather.lux, roughness, 0).mean - 1));
+            if (!(weather.lux > 0)) break;
+          }
+          std::printf("\n");
+        }
+      }
 }
 
 }  // namespace
