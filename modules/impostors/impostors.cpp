@@ -6,6 +6,7 @@
 #include "engine/core/log.h"
 #include "engine/ecs/world.h"
 #include "modules/lod/lod.h"
+#include "shaders/shared/gbuffer.h"
 
 namespace scree {
 
@@ -41,6 +42,23 @@ Result<ImpostorAtlas> impostorOf(const std::filesystem::path& mesh, const BakePa
   return atlasOf(*grain, parameters, cache, progress);
 }
 
+namespace {
+
+// Mean colour of what its views show: folds that few of them look into count as little as they are seen.
+vec3 albedoSeen(const ImpostorAtlas& atlas) {
+  dvec3 sum(0);
+  double covered = 0;
+  for (int view = 0; view < atlas.views(); ++view)
+    for (uint64_t k = atlas.offset(0, view); k < atlas.offset(0, view) + static_cast<uint64_t>(atlas.texels * atlas.texels); ++k) {
+      const vec3 code(atlas.color[4 * k], atlas.color[4 * k + 1], atlas.color[4 * k + 2]);
+      sum += dvec3(rules::albedoFromCode(code / 255.0f)) * static_cast<double>(atlas.shape[2 * k]);
+      covered += static_cast<double>(atlas.shape[2 * k]);
+    }
+  return covered > 0 ? vec3(sum / covered) : vec3(1);
+}
+
+}  // namespace
+
 Result<uint32_t> addGrainShape(World& world, std::string name, const GrainMesh& grain, ImpostorAtlas atlas) {
   MaterialStore& materials = world.singleton<MaterialStore>();
   GrainShape shape;
@@ -59,6 +77,7 @@ Result<uint32_t> addGrainShape(World& world, std::string name, const GrainMesh& 
     if (part.material >= 0) part.material = static_cast<int>(handles[static_cast<size_t>(part.material)]);
   if (Status added = addLevels(world.singleton<MeshStore>(), shape, parts); !added.ok()) return added.takeError();
   setMeanLook(materials, shape, parts);
+  shape.albedo = albedoSeen(atlas);
   for (const float diameter : kImpostorSizesPx) {
     const ImpostorError error = atlas.errors.at(ImpostorScheme::Proxy, diameter);
     const ImpostorError mesh = atlas.errors.at(ImpostorScheme::Mesh, diameter);

@@ -160,6 +160,7 @@ inline constexpr std::string_view kSwarmVisible = "lod.visible";
 struct SwarmPart {
   uint32_t shape = 0;
   uint32_t first = 0, count = 0, runs = 0;  // numbers of its grains, over all that is drawn
+  float largest_radius = 0;                 // outer, m
   const gpu::Buffer* commands = nullptr;
   const gpu::Buffer* list = nullptr;
 };

@@ -35,7 +35,6 @@ struct Part : SwarmPart {
   LodThresholds thresholds;
   bool casts = false;  // shadows
   float cast_share = 1;  // of a ball with the shape's mean shadow, radius / outer radius
-  float largest_radius = 0;  // m
 };
 
 // What a swarm's shadow depends on.

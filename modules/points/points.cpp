@@ -1,6 +1,7 @@
 // points.depth, points.sum, points.resolve, and the buffers between them.
 #include "modules/points/points.h"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -19,7 +20,7 @@ namespace scree {
 namespace {
 
 constexpr const char *kKeys = "points.keys", *kSums = "points.sums";
-constexpr int kSurface = 0, kToSun = 1, kLeastArea = 2, kSky = 3;  // uniform locations
+constexpr int kSurface = 0, kToSun = 1, kLeastArea = 2, kSky = 3, kRadius = 4;  // uniform locations
 void dispatch(const SwarmPart& part) {
   gpu::dispatchIndirect(*part.commands, offsetof(rules::SwarmCommands, point_groups));
 }
@@ -127,6 +128,10 @@ void resolve(Points& points, unsigned features) {
   program.set(kSurface, vec2(shape.roughness, shape.metallic));
   program.set(kToSun, sun.present ? sun.to_sun : vec3(0));
   program.set(kLeastArea, kLeastShare);
+  float radius = 0;
+  for (size_t k = 0; k < points.swarms().size(); ++k)
+    radius = std::max(radius, points.swarms().part(k).largest_radius * points.shape(k).cast_share);
+  program.set(kRadius, radius);
   program.set(kSky, skyLuminance(points.world.singleton<const Sky>()));
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.sums.bindStorage(rules::kPointSumsBinding);

@@ -16,6 +16,7 @@ layout(std430, binding = kPointIdsBinding) readonly buffer Ids { uint ids[]; };
 layout(location = 0) uniform vec2 surface;      // roughness, metalness
 layout(location = 1) uniform vec3 to_sun;       // 0: there is none
 layout(location = 2) uniform float least_area;  // share of a pixel
+layout(location = 4) uniform float radius;      // of the largest point, m
 layout(location = 3) uniform vec3 sky;          // luminance: constant, by height, by its square
 
 in vec3 ray;
@@ -27,8 +28,8 @@ uint at(ivec2 pixel) {
   return uint(p.y) * uint(view.size_px.x) + uint(p.x);
 }
 
-// The normal of the surface that the foremost points around make, at a pixel of this 1 / distance along the axis.
-vec3 surfaceNormal(ivec2 pixel, float inverse) {
+// How 1 / distance along the axis changes from pixel to pixel, over the foremost points around one.
+vec2 changeAround(ivec2 pixel, float inverse) {
   vec2 sum = vec2(0.0), weight = vec2(0.0);
   float most = kMostSlope / view.pixels_at_1m * inverse;
   for (int k = 0; k < 9; ++k) {
@@ -38,10 +39,14 @@ vec3 surfaceNormal(ivec2 pixel, float inverse) {
     sum += vec2(offset) * change;
     weight += vec2(offset * offset);
   }
+  return sum / max(weight, 1.0);
+}
+
+vec3 surfaceNormal(float inverse, vec2 change) {
   vec3 ray_x = view.relative_from_clip[0].xyz * (2.0 / view.size_px.x);
   vec3 ray_y = view.relative_from_clip[1].xyz * (2.0 / view.size_px.y);
   vec3 forward = normalize(cross(ray_y, ray_x));
-  return planeNormal(ray, ray_x, ray_y, forward, inverse, sum / max(weight, 1.0));
+  return planeNormal(ray, ray_x, ray_y, forward, inverse, change);
 }
 
 void main() {
@@ -71,8 +76,10 @@ void main() {
       }
     }
   if (key == 0u) discard;
-  float along = alongOf(key);
-  gl_FragDepth = view.near_m / along;
+  float foremost = uintBitsToFloat(key);
+  vec2 change = changeAround(pixel, foremost);
+  float inverse = middleInverse(foremost, change, radius * view.pixels_at_1m * foremost);
+  gl_FragDepth = min(view.near_m * inverse, 1.0);
 
   Surface s;
   s.albedo = sum.rgb / (255.0 * sum.w);
@@ -84,7 +91,7 @@ void main() {
 #endif
   s.metallic = look.y;
   vec3 to_eye = -normalize(ray);
-  vec3 up = surfaceNormal(pixel, uintBitsToFloat(key));
+  vec3 up = surfaceNormal(foremost, change);
   vec3 shares = bedShares(bedSteepness(dot(to_eye, up), kBedPacking * min(area, 1.0)));
   float base = dot(s.albedo, kLuminance);
   BedSurface flat_surface = bedSurface(to_eye, to_sun, up, shares, base, mix(kDielectricF0, base, look.y), look.x, look.y, sky);
@@ -92,7 +99,7 @@ void main() {
   s.albedo = clamp(s.albedo * flat_surface.share + flat_surface.white, 0.0, 1.0);
   s.roughness = bedRoughness(look.x, look.y);
 #ifdef MOTION
-  vec3 previous = ray * along + view.camera_delta.xyz;
+  vec3 previous = ray / inverse + view.camera_delta.xyz;
   s.motion_px = motionFromPrevious((view.previous_clip_from_relative * vec4(previous, 1.0)).xyw, gl_FragDepth);
 #else
   s.motion_px = vec2(0.0);

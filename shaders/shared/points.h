@@ -26,6 +26,15 @@ RULE float alongOf(uint key) { return 1.0f / uintBitsToFloat(key); }
 // a surface, and how far a surface seen at 45 degrees recedes within a pixel. m.
 RULE float pointBand(float radius, float pixel_m) { return 2.5f * radius + pixel_m; }
 
+// 1 / distance of the surface in the middle of a pixel, from that of its foremost point: where the surface recedes
+// within the pixel, the foremost of many points lies near its nearest edge, which shadows fall behind. Of n at random
+// on [0, 1] the greatest is n / (n + 1) in the mean. `change`: from pixel to pixel; n: as many as fill the pixel.
+RULE float middleInverse(float foremost, vec2 change, float radius_px) {
+  float n = max(1.0f / (3.14159265f * radius_px * radius_px), 1.0f);
+  float nearer = 0.5f * (n - 1.0f) / (n + 1.0f) * (abs(change.x) + abs(change.y));
+  return max(foremost - nearer, 0.5f * foremost);
+}
+
 // Points around belong to the same surface up to this change of distance, pixels a pixel: it is seen at 5 degrees.
 const float kMostSlope = 12.0f;
 

@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "engine/core/random.h"
-#include "shaders/shared/bed.h"
+#include "shaders/shared/bed_gloss.h"
 #include "shaders/shared/points.h"
 
 namespace scree::test {
@@ -145,6 +145,50 @@ TEST(Shares, AreThoseOfATentAndMakeOne) {
     EXPECT_NEAR(shares.x + shares.y + shares.z + shares.w, 1, 1e-6);
     EXPECT_NEAR(shares.y + shares.w, f.x, 1e-6);
     EXPECT_NEAR(shares.z + shares.w, f.y, 1e-6);
+  }
+}
+
+// Points at random in a pixel of a plane: the foremost, against the middle.
+TEST(Depth, OfTheMiddleFromThatOfTheForemost) {
+  for (const int count : {1, 4, 14, 127}) {
+    const float radius_px = 1 / std::sqrt(3.14159265f * static_cast<float>(count));
+    const vec2 change(0, 0.02f);
+    double sum = 0;
+    constexpr int kRounds = 4000;
+    for (int round = 0; round < kRounds; ++round) {
+      float foremost = 0;
+      for (int k = 0; k < count; ++k)
+        foremost = std::max(foremost, 1 + change.y * (randomUnit(3, static_cast<uint64_t>(round), 0, static_cast<uint32_t>(k)) - 0.5f));
+      sum += static_cast<double>(rules::middleInverse(foremost, change, radius_px));
+    }
+    EXPECT_NEAR(sum / kRounds, 1, 3e-4) << radius_px;
+  }
+  EXPECT_EQ(rules::middleInverse(1, vec2(100), 0.1f), 0.5f) << "never behind the eye";
+}
+
+// What the balls' lobes reflect, by quadrature over a ball of Schlick's approximation.
+TEST(Bed, GlossOfMirrors) {
+  for (uint64_t k = 0; k < 200; ++k) {
+    const vec3 eye = direction(k, 0);
+    vec3 up = direction(k, 2);
+    if (glm::dot(up, eye) < 0) up = -up;
+    const float steepness = 0.3f * randomUnit(9, k, 0, 0);
+    const vec3 sky(0.5f, 0.3f * (2 * randomUnit(9, k, 0, 1) - 1), 0.1f);
+    double gloss = 0, seen = 0;
+    constexpr int kSteps = 64;
+    const vec3 x = glm::normalize(glm::cross(std::abs(eye.y) < 0.9f ? vec3(0, 1, 0) : vec3(1, 0, 0), eye)), y = glm::cross(eye, x);
+    for (int i = 0; i < kSteps; ++i)
+      for (int j = 0; j < kSteps; ++j) {
+        const float r2 = (static_cast<float>(i) + 0.5f) / kSteps, a = 6.2831853f * (static_cast<float>(j) + 0.5f) / kSteps;
+        const float n_v = std::sqrt(1 - r2);
+        const vec3 n = eye * n_v + (x * std::cos(a) + y * std::sin(a)) * std::sqrt(r2), r = 2 * n_v * n - eye;
+        const double share = std::exp(static_cast<double>(steepness * glm::dot(n, up)));
+        const float w = rules::schlickWeight(n_v);
+        gloss += share * static_cast<double>((0.04f * (1 - w) + w) * (sky.x + sky.y * r.y + sky.z * r.y * r.y));
+        seen += share;
+      }
+    const float got = rules::bedSkyGloss(eye, up, rules::bedShares(steepness), 0.04f, 0.05f, sky);
+    EXPECT_NEAR(static_cast<double>(got) / (gloss / seen), 1, 0.04) << k;
   }
 }
 
