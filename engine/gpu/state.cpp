@@ -30,8 +30,9 @@ GLenum toGl(Compare compare) {
   return GL_NEVER + static_cast<GLenum>(compare);
 }
 
-void setBlend(Blend blend) {
-  enable(GL_BLEND, blend != Blend::None);
+void setBlend(Blend blend, int attachment) {
+  enable(GL_BLEND, blend != Blend::None && attachment < 0);
+  if (blend != Blend::None && attachment >= 0) glEnablei(GL_BLEND, static_cast<GLuint>(attachment));
   switch (blend) {
     case Blend::None:
       return;
@@ -82,7 +83,8 @@ void apply(const DrawState& next) {
     enable(GL_CULL_FACE, next.cull != Cull::None);
     if (next.cull != Cull::None) glCullFace(next.cull == Cull::Back ? GL_BACK : GL_FRONT);
   }
-  if (differs(now.blend != next.blend)) setBlend(next.blend);
+  if (differs(now.blend != next.blend || now.blend_attachment != next.blend_attachment))
+    setBlend(next.blend, next.blend_attachment);
   if (differs(now.color_write != next.color_write)) {
     const GLboolean on = next.color_write;
     glColorMask(on, on, on, on);

@@ -37,6 +37,7 @@ struct DrawState {
   float bias_units = 0;  // glPolygonOffset units
   Cull cull = Cull::Back;
   Blend blend = Blend::None;
+  int blend_attachment = -1;  // the color attachment that is blended; negative: all
   bool color_write = true;
   bool wireframe = false;
   bool program_point_size = false;

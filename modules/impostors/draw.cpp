@@ -18,11 +18,14 @@ struct Impostors {
 
   World& world;
   gpu::Program visible = visibleProgram({}), small = visibleProgram({"SMALL"});
+  gpu::Program counting = visibleProgram({"OVERDRAW 1"}), small_counting = visibleProgram({"SMALL", "OVERDRAW 1"});
   MarkedTiles tiles{"impostors.tiles"};
   gpu::Program still = resolveProgram({}), moving = resolveProgram({"MOTION"});
 
   static gpu::Program visibleProgram(std::vector<std::string> defines) {
-    return gpu::Program({.name = defines.empty() ? "impostors.visible" : "impostors.visible_small",
+    std::string name = "impostors.visible";
+    for (const std::string& define : defines) name.append("_").append(define, 0, define.find(' '));
+    return gpu::Program({.name = std::move(name),
                          .vertex = "impostors/visible.vert",
                          .fragment = "impostors/visible.frag",
                          .defines = std::move(defines)});
@@ -48,8 +51,10 @@ struct Impostors {
     }
   }
   // `first`: rules::kFirst, or 0.
-  void drawVisible(uint32_t first) {
-    gpu::apply({.cull = gpu::Cull::None});
+  void drawVisible(const Frame& frame, uint32_t first) {
+    const bool counts = frame.isRead(kSwarmOverdraw);
+    // Numbers of grains are whole, and never blended.
+    gpu::apply({.cull = gpu::Cull::None, .blend = counts ? gpu::Blend::Add : gpu::Blend::None});
     tiles.bind();
     const auto draw = [&](gpu::Program& program, uint32_t representation) {
       if (!swarms().mayBe(representation) || !program.use()) return;
@@ -57,8 +62,8 @@ struct Impostors {
           offsetof(rules::SwarmCommands, impostors) + (representation + first) * sizeof(rules::DrawArraysCommand);
       eachPart([&](const SwarmPart& part) { gpu::drawVertexlessIndirect(GL_TRIANGLES, *part.commands, command); });
     };
-    draw(visible, rules::kImpostor);
-    draw(small, rules::kSmallImpostor);
+    draw(counts ? counting : visible, rules::kImpostor);
+    draw(counts ? small_counting : small, rules::kSmallImpostor);
   }
   void resolve(PassContext& context) {
     if (!(context.frame.isRead(kGbufferMotion) ? moving : still).use()) return;
@@ -76,17 +81,21 @@ void addImpostors(App& app) {
   const auto impostors = std::make_shared<Impostors>(app);
   const auto needs = [impostors] { return impostors->swarms().mayBe(rules::kImpostor) || impostors->swarms().mayBe(rules::kSmallImpostor); };
   constexpr const char* kNeeds = "a swarm that may be impostors";
-  const std::string visible(kSwarmVisible), depth(kGbufferDepth), lists(kSwarmLists), late_lists(kSwarmLateLists);
+  const std::string visible(kSwarmVisible), overdraw(kSwarmOverdraw), depth(kGbufferDepth), lists(kSwarmLists), late_lists(kSwarmLateLists);
 
   app.addPass({.name = "impostors.visible",
                .stage = Stage::Geometry,
                .needs_text = kNeeds,
                .needs = needs,
                .needs_content = {lists},
-               .uses = {{visible, Access::Color}, {depth, Access::Depth}, {lists, Access::Indirect}, {lists, Access::StorageRead}},
+               .uses = {{visible, Access::Color},
+                        {overdraw, Access::Color},
+                        {depth, Access::Depth},
+                        {lists, Access::Indirect},
+                        {lists, Access::StorageRead}},
                .run = [impostors](PassContext& context) {
                  impostors->tiles.clear(context.input.size);
-                 impostors->drawVisible(rules::kFirst);
+                 impostors->drawVisible(context.frame, rules::kFirst);
                }});
   app.addPass({.name = "impostors.visible_late",
                .stage = Stage::GeometryLate,
@@ -94,12 +103,11 @@ void addImpostors(App& app) {
                .needs = needs,
                .needs_content = {late_lists, visible},
                .uses = {{visible, Access::Color},
+                        {overdraw, Access::Color},
                         {depth, Access::Depth},
                         {late_lists, Access::Indirect},
                         {late_lists, Access::StorageRead}},
-               .run = [impostors](PassContext&) {
-                 impostors->drawVisible(0);
-               }});
+               .run = [impostors](PassContext& context) { impostors->drawVisible(context.frame, 0); }});
   app.addPass({.name = "impostors.resolve",
                .stage = Stage::GeometryLate,
                .needs_text = kNeeds,

@@ -37,17 +37,27 @@ void addLod(App& app) {
   app.addSystem(lod::uploadSystem(state));
 
   app.addTarget(std::string(kSwarmVisible), {.format = GL_R32UI});
+  // Counts up to 2,048.
+  app.addTarget(std::string(kSwarmOverdraw), {.format = GL_R16F});
+  app.addTarget(std::string(kPointOverdraw), {.format = GL_R32UI});
   app.frame().addExternal(lod::kSeen);
   app.frame().keep(lod::kSeen, true);  // by the next frame
 
   app.addPass(lod::classifyPass(state));
   app.addPass(lod::listPass(state));
-  app.addPass({.name = "lod.clear", .stage = Stage::Geometry, .uses = {{std::string(kSwarmVisible), Access::Clear}}});
+  app.addPass({.name = "lod.clear",
+               .stage = Stage::Geometry,
+               .uses = {{std::string(kSwarmVisible), Access::Clear},
+                        {std::string(kSwarmOverdraw), Access::Clear},
+                        {std::string(kPointOverdraw), Access::Clear}}});
   app.addPass(lod::shadowPass(state));
   app.addPass(lod::meshPass(state));
   app.addPass(lod::lateListPass(state));
   app.addPass(lod::lateMeshPass(state));
   app.addPass(lod::seePass(state));
+  app.addPass(lod::viewRoutesPass(state));
+  app.addPass(lod::viewTurnsPass(state));
+  app.addPass(lod::viewOverdrawPass(state));
 }
 
 }  // namespace scree

@@ -118,6 +118,20 @@ SCREE_COMPONENT(Swarm, (swarm, ""));
 
 // ---- How it is drawn ---------------------------------------------------------------------------
 
+// What is shown in place of the picture, to see how a swarm is drawn; colours: shaders/shared/swarm_view.h. Ids of
+// grains are then numbers of grains, not entities, in Representation and Frozen.
+enum class SwarmView : uint32_t {
+  Off,
+  Representation,  // each in its own colour
+  // How many grains were written to a pixel, one over the other, by passes that draw their coverage; of points: how
+  // many were added up.
+  Overdraw,
+  // Grains stay routed and culled for the camera of the last frame before, whatever it does now: what it did not see
+  // is missing. Orange was drawn first, blue after the depth pyramid. Swarms that come now, or change their number
+  // of grains, are missing too.
+  Frozen,
+};
+
 // World singleton.
 struct LodSettings {
   float tolerance_px = 0.5f;  // how far outlines may be off
@@ -126,6 +140,7 @@ struct LodSettings {
   bool cull = true;           // what the depth pyramid hides; false: for tests and pictures of it
   // For benches: draws all as one representation if it is possible; kNotDrawn: chosen by the rest.
   uint32_t only = rules::kNotDrawn;
+  SwarmView view = SwarmView::Off;
 };
 
 // Sizes (outer radii in pixels) at which one representation follows the other. A point is off by two
@@ -155,6 +170,11 @@ inline constexpr std::string_view kSwarmLateLists = "lod.late_lists";
 // Target: the number of the grain that each pixel shows, over all that is drawn, + 1; 0: none. Passes that draw
 // grains of SwarmsDrawn, points excepted, write it.
 inline constexpr std::string_view kSwarmVisible = "lod.visible";
+
+// Targets: how often a pixel was written, by passes that write kSwarmVisible; and how many points were added up there.
+// Read in SwarmView::Overdraw alone: otherwise not made, and programs are those that do not write it.
+inline constexpr std::string_view kSwarmOverdraw = "lod.overdraw";
+inline constexpr std::string_view kPointOverdraw = "lod.point_overdraw";
 
 // The grains of one buffer that is drawn in this frame.
 struct SwarmPart {
@@ -195,7 +215,8 @@ class MarkedTiles {
 };
 
 // Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.clear, lod.shadow, lod.meshes (Geometry),
-// lod.list_late (RouteLate), lod.meshes_late (GeometryLate), lod.see (Shade). Needs addScene, addDeferred, addOcclusion.
+// lod.list_late (RouteLate), lod.meshes_late (GeometryLate), lod.see (Shade), lod.view_* (Present). Needs addScene,
+// addDeferred, addOcclusion.
 void addLod(App& app);
 
 }  // namespace scree

@@ -10,15 +10,19 @@ namespace scree::lod {
 namespace {
 
 constexpr unsigned kGrainSlot = 1;
+constexpr int kOverdrawAttachment = 5;  // after the G-buffer's and kSwarmVisible
 constexpr int kBaseColor = 0, kRoughnessMetallic = 1;  // uniform locations
 
 struct MeshPrograms {
   gpu::Program still = program({}), moving = program({"MOTION"});
+  gpu::Program counting = program({"OVERDRAW 5"}), counting_moving = program({"MOTION", "OVERDRAW 5"});
   gpu::VertexArray array;
   uint64_t pool_version = 0;
 
   static gpu::Program program(std::vector<std::string> defines) {
-    return gpu::Program({.name = defines.empty() ? "lod.meshes" : "lod.meshes_motion",
+    std::string name = "lod.meshes";
+    for (const std::string& define : defines) name.append("_").append(define, 0, define.find(' '));
+    return gpu::Program({.name = std::move(name),
                          .vertex = "lod/mesh.vert",
                          .fragment = "lod/mesh.frag",
                          .defines = std::move(defines)});
@@ -38,14 +42,21 @@ struct MeshPrograms {
 };
 
 // `first`: rules::kFirst, or 0.
-void draw(SwarmsDrawn::State& state, MeshPrograms& programs, bool motion, uint32_t first) {
-  gpu::Program& program = motion ? programs.moving : programs.still;
+void draw(SwarmsDrawn::State& state, MeshPrograms& programs, const Frame& frame, uint32_t first) {
+  const bool motion = frame.isRead(kGbufferMotion), counts = frame.isRead(kSwarmOverdraw);
+  gpu::Program& program = counts ? (motion ? programs.counting_moving : programs.counting)
+                                 : (motion ? programs.moving : programs.still);
   if (!program.use()) return;
   MeshStore& meshes = state.world.singleton<MeshStore>();
   MaterialStore& materials = state.world.singleton<MaterialStore>();
   const SwarmStore& store = state.world.singleton<const SwarmStore>();
   programs.bindArray(meshes);
-  gpu::apply({});
+  gpu::DrawState draw_state;
+  if (counts) {
+    draw_state.blend = gpu::Blend::Add;
+    draw_state.blend_attachment = kOverdrawAttachment;
+  }
+  gpu::apply(draw_state);
   for (const Part& part : state.parts) {
     const GrainShape& shape = store.shape(part.shape);
     part.early.bindUniform(rules::kPassBinding);
@@ -74,10 +85,11 @@ PassDesc passOf(const SharedState& state, const char* name, Stage stage, std::st
           .needs = [state] { return state->possible >> rules::kMesh != 0; },
           .needs_content = {std::string(lists)},
           .uses = gbufferUses({{std::string(kSwarmVisible), Access::Color},
+                               {std::string(kSwarmOverdraw), Access::Color},
                                {std::string(lists), Access::Indirect},
                                {std::string(lists), Access::Vertex}}),
           .run = [state, programs, first](PassContext& context) {
-            draw(*state, *programs, context.frame.isRead(kGbufferMotion), first);
+            draw(*state, *programs, context.frame, first);
           }};
 }
 

@@ -77,7 +77,7 @@ PassDesc classifyPass(const SharedState& state) {
           .needs = [state] { return !state->parts.empty(); },
           .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}},
           .run = [state, classify](PassContext&) {
-            if (!classify->use()) return;
+            if (state->frozen || !classify->use()) return;
             state->candidates.fill(0);
             state->candidates.bindStorage(rules::kCandidateMapBinding);
             for (const Part& part : state->parts) {
@@ -97,6 +97,7 @@ PassDesc listPass(const SharedState& state) {
           .needs_content = {std::string(kSwarmRoutes)},
           .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}, {std::string(kSwarmLists), Access::StorageWrite}},
           .run = [state, programs](PassContext&) {
+            if (state->frozen) return;
             state->candidates.bindStorage(rules::kCandidateMapBinding);
             for (const Part& part : state->parts) programs->run(part, Lists::First);
           }};
@@ -115,6 +116,7 @@ PassDesc lateListPass(const SharedState& state) {
                    {std::string(kOcclusionPyramid), Access::Sampled},
                    {std::string(kSwarmLateLists), Access::StorageWrite}},
           .run = [state, programs](PassContext& context) {
+            if (state->frozen) return;
             bindPyramid(state->world, context);
             for (const Part& part : state->parts) programs->run(part, Lists::Late);
           }};
@@ -131,7 +133,7 @@ PassDesc seePass(const SharedState& state) {
                    {std::string(kSwarmLists), Access::Indirect},
                    {kSeen, Access::StorageWrite}},
           .run = [state, see](PassContext& context) {
-            if (!see->use()) return;
+            if (state->frozen || !see->use()) return;
             context.frame.texture(kSwarmVisible).bind(rules::kPassTextureUnit);
             for (const Part& part : state->parts) {
               bindPart(part, part.early);

@@ -64,6 +64,8 @@ struct SwarmsDrawn::State {
   uint32_t possible = 0;  // a bit for each representation that some part may have
   gpu::StreamBuffer blocks{"lod.blocks", 16 * 1024};
   gpu::Buffer candidates;
+  bool routed = false;  // the lists on the GPU are those of a frame
+  bool frozen = false;  // and are not made anew: SwarmView::Frozen
   bool drew = false;  // in the last frame, from here:
   dvec3 last_camera{0};
   quat last_rotation{1, 0, 0, 0};
@@ -91,5 +93,8 @@ PassDesc meshPass(const SharedState& state);
 PassDesc lateMeshPass(const SharedState& state);
 PassDesc seePass(const SharedState& state);
 PassDesc shadowPass(const SharedState& state);
+PassDesc viewRoutesPass(const SharedState& state);
+PassDesc viewTurnsPass(const SharedState& state);
+PassDesc viewOverdrawPass(const SharedState& state);
 
 }  // namespace scree::lod

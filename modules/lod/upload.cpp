@@ -7,6 +7,7 @@
 #include "modules/deferred/deferred.h"
 #include "modules/lod/state.h"
 #include "shaders/shared/candidate.h"
+#include "shaders/shared/swarm_view.h"
 
 namespace scree::lod {
 namespace {
@@ -129,11 +130,12 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.impostor_from_px = t.impostor_from_px;
   block.band = settings.band;
   block.cull = settings.cull ? 1 : 0;
-  block.first_id = placed.entity.index + 1;
-  block.same_id = 1;
+  const bool grains_apart = settings.view == SwarmView::Representation || settings.view == SwarmView::Frozen;
+  block.same_id = grains_apart ? 0 : 1;
   for (const Chunk& chunk : placed.resident->chunks) {
     block.count = chunk.count;
     block.first = static_cast<uint32_t>(state.grain_count);
+    block.first_id = grains_apart ? rules::kGrainIdBit | (block.first + 1) : placed.entity.index + 1;
     block.run_count = runsOf(chunk.count);
     block.last_first = glm::dot(chunk.drift, view.rotation * vec3(0, 0, -1)) < 0 ? 1 : 0;
     Part part;
@@ -196,9 +198,13 @@ void upload(SwarmsDrawn::State& state) {
     addCaster(state, placed, seen);
   });
   state.drew = !state.parts.empty();
-  state.last_camera = view.position;
-  state.last_rotation = view.rotation;
-  state.last_frame = world.singleton<const FrameInput>().frame;
+  state.frozen = settings.view == SwarmView::Frozen && state.routed && state.drew;
+  state.routed = state.drew;
+  if (!state.frozen) {
+    state.last_camera = view.position;
+    state.last_rotation = view.rotation;
+    state.last_frame = world.singleton<const FrameInput>().frame;
+  }
   if (seen != state.casters_seen) {
     std::swap(seen, state.casters_seen);
     ++state.casters_version;

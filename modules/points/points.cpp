@@ -1,4 +1,4 @@
-// points.depth, points.sum, points.resolve, and the buffers between them.
+// points.depth, points.sum, points.count, points.resolve, and the buffers between them.
 #include "modules/points/points.h"
 
 #include <algorithm>
@@ -58,6 +58,7 @@ struct Points {
   gpu::Buffer keys, sums, carries, ids, surfaces;  // by pixel
   MarkedTiles tiles{"points.tiles"};
   gpu::Program depth = programOf("depth", 0);
+  gpu::Program count{{.name = "points.count", .compute = "points/sum.comp", .defines = {"OVERDRAW"}}};
   Programs sum, resolve;
 
   const SwarmsDrawn& swarms() { return world.singleton<const SwarmsDrawn>(); }
@@ -109,6 +110,14 @@ void splatSums(Points& points, ivec2 size, unsigned features) {
   if ((features & kIds) != 0) Points::ready(points.ids, "points.ids", 1, rules::kPointIdsBinding, size, Points::EmptiedBy::Us);
   if ((features & kSurfaces) != 0)
     Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size, Points::EmptiedBy::Reader);
+  points.keys.bindStorage(rules::kPointKeysBinding);
+  points.eachPart([](const SwarmPart& part) { dispatch(part); });
+}
+
+// For SwarmView::Overdraw.
+void count(Points& points, const gpu::Texture& overdraw) {
+  if (!points.count.use()) return;
+  overdraw.bindImage(rules::kOverdrawImage, GL_READ_WRITE);
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.eachPart([](const SwarmPart& part) { dispatch(part); });
 }
@@ -169,6 +178,15 @@ void addPoints(App& app) {
                .run = [points](PassContext& context) {
                  splatSums(*points, context.input.size, points->features(context.frame));
                }});
+  app.addPass({.name = "points.count",
+               .stage = Stage::GeometryLate,
+               .needs_text = kNeeds,
+               .needs = needs,
+               .needs_content = {kKeys},
+               .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
+                        {kKeys, Access::StorageRead},
+                        {std::string(kPointOverdraw), Access::StorageWrite}},
+               .run = [points](PassContext& context) { count(*points, context.frame.texture(kPointOverdraw)); }});
   app.addPass({.name = "points.resolve",
                .stage = Stage::GeometryLate,
                .needs_text = kNeeds,

@@ -10,7 +10,7 @@ namespace scree {
 
 class App;
 
-// Registers points.depth, points.sum and points.resolve (GeometryLate). Needs addLod.
+// Registers points.depth, points.sum, points.count and points.resolve (GeometryLate). Needs addLod.
 void addPoints(App& app);
 
 }  // namespace scree

@@ -1,5 +1,5 @@
 // Which grain a pixel shows: coverage alone, at the depth of the disc, so that hidden fragments are rejected
-// before this runs.
+// before this runs. OVERDRAW: the attachment that counts.
 #include "impostors/atlas.glsl"
 
 in vec2 on_disc;
@@ -17,6 +17,9 @@ flat in float level;
 #endif
 
 layout(location = 0) out uint visible_grain;
+#ifdef OVERDRAW
+layout(location = OVERDRAW) out float overdraw;
+#endif
 
 void main() {
   if (dot(on_disc, on_disc) > 1.0) discard;
@@ -32,4 +35,7 @@ void main() {
 #endif
   if (coverage < 0.5) discard;
   visible_grain = number;
+#ifdef OVERDRAW
+  overdraw = 1.0;
+#endif
 }

@@ -1,4 +1,4 @@
-// Surface of a grain's mesh into the G-buffer: the shape's material, tinted.
+// Surface of a grain's mesh into the G-buffer: the shape's material, tinted. OVERDRAW: the attachment that counts.
 #include "lib/gbuffer.glsl"
 #include "shared/swarm.h"
 
@@ -14,6 +14,9 @@ flat in uint id;
 flat in uint number;
 
 layout(location = 4) out uint visible_grain;
+#ifdef OVERDRAW
+layout(location = OVERDRAW) out float overdraw;
+#endif
 
 #ifdef MOTION
 in vec3 previous_clip;
@@ -33,5 +36,8 @@ void main() {
 #endif
   s.id = id;
   visible_grain = number;
+#ifdef OVERDRAW
+  overdraw = 1.0;
+#endif
   writeGbuffer(s);
 }

@@ -1,8 +1,12 @@
 // What the points that are not hidden add to the pixels around them: area, and colour times area. IDS: the
-// foremost point's id. SURFACES: roughness and metalness times area, where swarms differ in them.
+// foremost point's id. SURFACES: roughness and metalness times area, where swarms differ in them. OVERDRAW: nothing
+// of that, but how many are added.
 #include "shared/points.h"
 
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
+#ifdef OVERDRAW
+layout(r32ui, binding = kOverdrawImage) uniform uimage2D overdraw;
+#endif
 
 #include "points/run_hidden.glsl"
 
@@ -25,6 +29,9 @@ void add(ivec2 pixel, float area, vec3 color, vec2 surface) {
   if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(view.size_px)))) return;
   uint steps = uint(area * kPointAreaSteps + 0.5);
   if (steps == 0u) return;
+#ifdef OVERDRAW
+  imageAtomicAdd(overdraw, pixel, 1u);
+#else
   uint pixel_at = uint(pixel.y) * uint(view.size_px.x) + uint(pixel.x), at = 4u * pixel_at;
   uvec3 code = uvec3(color * 255.0 + 0.5) * steps;
   uint carry = carryOf(at, code.r, 1u) + carryOf(at + 1u, code.g, 1u << 10u) + carryOf(at + 2u, code.b, 1u << 20u) +
@@ -34,6 +41,7 @@ void add(ivec2 pixel, float area, vec3 color, vec2 surface) {
   uvec2 surface_code = uvec2(surface * 255.0 + 0.5) * steps;
   atomicAdd(surfaces[2u * pixel_at], surface_code.x);
   atomicAdd(surfaces[2u * pixel_at + 1u], surface_code.y);
+#endif
 #endif
 }
 

@@ -55,6 +55,7 @@ const int kPyramidUnit = 15;       // lib/occlusion.glsl; the last that every st
 
 // Image units.
 const int kPyramidImage = 0;       // and the two above: three levels of the depth pyramid
+const int kOverdrawImage = 0;      // in points.count: shared/swarm_view.h
 
 // Vertex attributes of meshes (engine/assets/mesh_data.h); from kFirstFreeAttribute up: a module's own.
 const int kPositionAttribute = 0;

@@ -90,8 +90,11 @@ const GrainShape& HeapScene::bean() const { return world.singleton<const SwarmSt
 
 void HeapScene::look(double distance_m, float fov_y_rad) {
   const dvec3 at(0, 0.5 * static_cast<double>(kHeapHeight), 0.5 * static_cast<double>(kHeapRadius));
-  const dvec3 out = glm::normalize(dvec3(0, kHeapRadius, kHeapHeight));
-  const Transform eye{at + out * distance_m, lookAlong(-out), vec3(1)};
+  lookFrom(at + glm::normalize(dvec3(0, kHeapRadius, kHeapHeight)) * distance_m, at, fov_y_rad);
+}
+
+void HeapScene::lookFrom(dvec3 from, dvec3 at, float fov_y_rad) {
+  const Transform eye{from, lookAlong(at - from), vec3(1)};
   *world.find<Transform>(camera) = eye;
   *world.find<PreviousTransform>(camera) = previousOf(eye);
   *world.find<Camera>(camera) = {fov_y_rad, 0.01f};

@@ -36,6 +36,7 @@ struct HeapScene {
   const GrainShape& bean() const;
   // From straight above a point half way up the heap's side, which no bean is nearer than.
   void look(double distance_m, float fov_y_rad = kHeapFovY);
+  void lookFrom(dvec3 from, dvec3 at, float fov_y_rad = kHeapFovY);
   void castShadows(bool cast);
   // Waits for the picture.
   void render();

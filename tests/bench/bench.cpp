@@ -23,6 +23,40 @@ std::vector<Registered>& registry() {
   return benches;
 }
 
+struct Views {
+  std::vector<std::string> names;
+  DrawView draw = nullptr;
+};
+std::map<std::string, Views>& views() {
+  static std::map<std::string, Views> all;
+  return all;
+}
+
+int wrote(const char* flag, const Result<std::vector<std::filesystem::path>>& paths) {
+  if (!paths.ok()) {
+    fmt::print(stderr, "scree_bench: {}: {}\n", flag, paths.error());
+    return 2;
+  }
+  for (const auto& path : paths.value()) fmt::print(stderr, "wrote {}\n", path.string());
+  return 0;
+}
+
+int drawView(const char* bench, const std::string& view, bool quick, const std::string& directory) {
+  const Views& offered = views()[bench];
+  if (std::find(offered.names.begin(), offered.names.end(), view) == offered.names.end()) {
+    fmt::print(stderr, "scree_bench: --view {}: {} has no such view; there are: {}\n", view, bench,
+               offered.names.empty() ? "none" : fmt::to_string(fmt::join(offered.names, ", ")));
+    return 2;
+  }
+  if (directory.empty()) {
+    fmt::print(stderr, "scree_bench: --view {}: needs --plot DIR\n", view);
+    return 2;
+  }
+  std::error_code failed;
+  std::filesystem::create_directories(directory, failed);
+  return wrote("--view", offered.draw(view, quick, directory));
+}
+
 std::string cpuName() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);) {
@@ -189,17 +223,25 @@ bool registerBench(const char* name, const char* summary, Run run) {
   return true;
 }
 
+bool registerViews(const char* bench, std::vector<std::string> names, DrawView draw) {
+  views()[bench] = {std::move(names), draw};
+  return true;
+}
+
 int runBenches(int argc, const char* const* argv) {
   CLI::App cli(
       "Measures run time against error; exit status 0: all claims hold, 1: not, 2: bad usage",
       "scree_bench");
-  std::string name, json_path, plot_directory;
+  std::string name, json_path, plot_directory, view;
   bool quick = false, list = false;
   cli.add_option("NAME", name, "bench to run; --list names them");
   cli.add_flag("--quick", quick, "fewer scenarios and runs: at most 3 minutes");
   cli.add_option("--json", json_path, "write machine, rows and claims to FILE")->type_name("FILE");
   cli.add_option("--plot", plot_directory, "write a picture of each scenario to DIR")
       ->type_name("DIR");
+  cli.add_option("--view", view, "measure nothing, but write pictures of how it draws to the --plot DIR (lod: "
+                 "representation, overdraw, frozen)")
+      ->type_name("VIEW");
   cli.add_flag("--list", list, "name the benches");
   try {
     cli.parse(argc, argv);
@@ -222,6 +264,7 @@ int runBenches(int argc, const char* const* argv) {
                name.empty() ? "name a bench" : "no bench '" + name + "'", names);
     return 2;
   }
+  if (!view.empty()) return drawView(chosen->name, view, quick, plot_directory);
   Bench bench(chosen->name, quick);
   chosen->run(bench);
   fmt::print("{}", bench.table());
@@ -233,14 +276,7 @@ int runBenches(int argc, const char* const* argv) {
     }
   }
   if (!plot_directory.empty()) {
-    const auto plots = writePlots(bench, plot_directory);
-    if (!plots.ok()) {
-      fmt::print(stderr, "scree_bench: --plot: {}\n", plots.error());
-      return 2;
-    }
-    for (const auto& path : plots.value()) {
-      fmt::print(stderr, "wrote {}\n", path.string());
-    }
+    if (const int failed = wrote("--plot", writePlots(bench, plot_directory)); failed != 0) return failed;
   }
   return bench.holds() ? 0 : 1;
 }

@@ -101,6 +101,12 @@ struct Registered {
 std::vector<Registered> registered();
 bool registerBench(const char* name, const char* summary, Run run);
 
+// Draws one of a bench's views, PNGs below `directory`, which exists; returns their paths.
+using DrawView = Result<std::vector<std::filesystem::path>> (*)(const std::string& view, bool quick,
+                                                                const std::filesystem::path& directory);
+// What --view may ask of a bench, in place of measuring.
+bool registerViews(const char* bench, std::vector<std::string> views, DrawView draw);
+
 // The command line of scree_bench. 0: all claims hold; 1: one fails; 2: bad usage.
 int runBenches(int argc, const char* const* argv);
 

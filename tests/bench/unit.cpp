@@ -218,6 +218,21 @@ TEST(CommandLine, ExitStatus) {
   EXPECT_EQ(cli({"holds", "--json", "/no/such/folder/x.json"}), 2);
 }
 
+TEST(CommandLine, ViewsAreThoseOfTheBenchAndNeedAFolder) {
+  static std::string drawn;
+  registerViews("holds", {"one"}, [](const std::string& view, bool quick, const std::filesystem::path& directory) {
+    drawn = fmt::format("{} {} {}", view, quick, directory.string());
+    return Result<std::vector<std::filesystem::path>>(std::vector<std::filesystem::path>{directory / "one.png"});
+  });
+  const std::string folder = std::string(SCREE_BINARY_DIR) + "/bench_views";
+  EXPECT_EQ(cli({"holds", "--view", "two", "--plot", folder.c_str()}), 2);
+  EXPECT_EQ(cli({"fails", "--view", "one", "--plot", folder.c_str()}), 2);
+  EXPECT_EQ(cli({"holds", "--view", "one"}), 2);
+  EXPECT_EQ(drawn, "");
+  EXPECT_EQ(cli({"holds", "--view", "one", "--quick", "--plot", folder.c_str()}), 0);
+  EXPECT_EQ(drawn, "one true " + folder);
+}
+
 TEST(CommandLine, WritesJsonAndPlots) {
   const fs::path folder = fs::path(SCREE_BINARY_DIR) / "bench_unit";
   fs::remove_all(folder);
