@@ -162,6 +162,8 @@ TEST_F(SwarmViews, OverdrawCountsWhatIsWritten) {
     };
     const std::vector<float> far_alone = counts({far}), near_alone = counts({near});
     const std::vector<float> far_first = counts({far, near}), near_first = counts({near, far});
+    // Nothing but the counts is blended.
+    const std::vector<float> albedo = scene.floats(kGbufferAlbedo, 4), normal = scene.floats(kGbufferNormal, 4);
     const std::vector<uint8_t> picture = scene.output();
     size_t both = 0, wrong = 0, off_color = 0;
     for (size_t p = 0; p < far_alone.size(); ++p) {
@@ -173,6 +175,10 @@ TEST_F(SwarmViews, OverdrawCountsWhatIsWritten) {
       for (int c = 0; c < 3; ++c)
         off_color += std::abs(static_cast<float>(picture[4 * p + static_cast<size_t>(c)]) - color[c]) > 1;
     }
+    scene.settings().view = SwarmView::Off;
+    scene.render();
+    EXPECT_EQ(scene.floats(kGbufferAlbedo, 4), albedo);
+    EXPECT_EQ(scene.floats(kGbufferNormal, 4), normal);
     EXPECT_GT(both, 100u) << only;
     EXPECT_EQ(wrong, 0u) << only;
     EXPECT_EQ(off_color, 0u) << only;
