@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <limits>
 
 namespace scree {
 namespace {
@@ -53,6 +54,11 @@ uint64_t ImpostorAtlas::levelOffset(int level) const {
 uint64_t ImpostorAtlas::offset(int level, int layer) const {
   return levelOffset(level) +
          static_cast<uint64_t>(layer) * static_cast<uint64_t>(side(level) * side(level));
+}
+
+float impostorLevelMostPx(int texels, int level) {
+  if (level <= 0) return std::numeric_limits<float>::max();
+  return static_cast<float>(texels - 2) * std::exp2(rules::kImpostorShapeBias + 0.5f - static_cast<float>(level));
 }
 
 uint64_t impostorBytes(int edge, int texels) {

@@ -52,11 +52,26 @@ struct ImpostorError {
   float ssim = 1;                 // mean; 1 = equal
   float flip = 0;                 // mean; 0 = equal
   float silhouette_px = 0;        // area between the silhouettes over the true one's length, mean
-  float worst_silhouette_px = 0;  // the same, of the worst direction
+  float worst_silhouette_px = 0;  // the same, of the worst of these directions: other ones may be worse
 };
+
+// Bounds of how far outlines of Proxy are off, shares of the outer radius: as much as was found by searching for
+// the worst view, and a margin (outline.h). Of three views, and of the nearest alone, which small grains show.
+inline constexpr size_t kImpostorMostLevels = 9;
+inline constexpr float kImpostorOutlineUnknown = 10;
+struct ImpostorOutlines {
+  // By the mip level of coverage, for an eye at infinity.
+  std::array<float, kImpostorMostLevels> full, small;
+  // More for a nearer one: of outer radius / distance, up to kImpostorMostNear.
+  float full_near = 0, small_near = 0;
+
+  ImpostorOutlines() { full.fill(kImpostorOutlineUnknown), small.fill(kImpostorOutlineUnknown); }
+};
+inline constexpr float kImpostorMostNear = 0.3f;
 struct ImpostorErrors {
   uint32_t directions = 0;  // 0: not measured
   std::array<std::array<ImpostorError, kImpostorSizes>, kImpostorSchemes> of{};
+  ImpostorOutlines outlines;
 
   // At a diameter of so many pixels: between the sizes measured by the logarithm, beyond them that
   // of the nearest.
@@ -86,6 +101,8 @@ struct ImpostorAtlas {
   uint64_t bytes() const { return shape.size() + color.size() + normal.size(); }
 };
 
+// Largest diameter in pixels at which a mip level of coverage is read.
+float impostorLevelMostPx(int texels, int level);
 // Of an atlas with n and p, all levels.
 uint64_t impostorBytes(int edge, int texels);
 

@@ -10,6 +10,7 @@
 #include "engine/core/parallel.h"
 #include "modules/impostors/cast.h"
 #include "modules/impostors/measure.h"
+#include "modules/impostors/outline.h"
 #include "modules/impostors/texels.h"
 
 namespace scree {
@@ -18,7 +19,7 @@ namespace {
 using namespace impostors;
 
 // Of the bake's rules: raised with every change that makes other bytes of the same mesh.
-constexpr uint64_t kBakeVersion = 1;
+constexpr uint64_t kBakeVersion = 2;
 constexpr double kViewsShare = 0.5;  // of the progress; measuring takes the rest
 
 Shot shotOf(const vec3& axis, int texels, int supersample) {
@@ -149,6 +150,7 @@ Result<ImpostorAtlas> bake(const GrainMesh& mesh, const BakeParameters& paramete
     atlas.errors = measure(*unit, atlas, parameters.directions, [&](double share) {
       if (progress) progress(kViewsShare + share * (1 - kViewsShare));
     });
+    atlas.errors.outlines = outlineBounds(*unit, atlas);
   }
   return atlas;
 }

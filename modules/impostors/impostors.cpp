@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "engine/core/log.h"
 #include "engine/ecs/world.h"
 #include "modules/lod/lod.h"
@@ -30,6 +32,24 @@ Result<ImpostorAtlas> atlasOf(const GrainMesh& grain, const BakeParameters& para
   if (atlas.ok())
     if (const Status written = writeAtlas(cache, *atlas); !written.ok()) logWarning("{}", written.error());
   return atlas;
+}
+
+// At the sizes that were measured, and where mip levels change.
+std::vector<SizeError> sizeErrors(const ImpostorAtlas& atlas) {
+  std::vector<float> diameters(std::begin(kImpostorSizesPx), std::end(kImpostorSizesPx));
+  for (int level = 1; level < atlas.levels(); ++level) diameters.push_back(impostorLevelMostPx(atlas.texels, level));
+  std::ranges::sort(diameters);
+  const ImpostorOutlines& outlines = atlas.errors.outlines;
+  std::vector<SizeError> sizes;
+  for (const float diameter : diameters) {
+    size_t level = 0;
+    while (static_cast<int>(level) + 1 < atlas.levels() && diameter <= impostorLevelMostPx(atlas.texels, static_cast<int>(level) + 1))
+      ++level;
+    const float ssim = atlas.errors.at(ImpostorScheme::Proxy, diameter).ssim,
+                mesh_ssim = atlas.errors.at(ImpostorScheme::Mesh, diameter).ssim;
+    sizes.push_back({0.5f * diameter, outlines.full[level], outlines.small[level], outlines.full_near, outlines.small_near, ssim, mesh_ssim});
+  }
+  return sizes;
 }
 
 }  // namespace
@@ -78,12 +98,7 @@ Result<uint32_t> addGrainShape(World& world, std::string name, const GrainMesh& 
   if (Status added = addLevels(world.singleton<MeshStore>(), shape, parts); !added.ok()) return added.takeError();
   setMeanLook(materials, shape, parts);
   shape.albedo = albedoSeen(atlas);
-  for (const float diameter : kImpostorSizesPx) {
-    const ImpostorError error = atlas.errors.at(ImpostorScheme::Proxy, diameter);
-    const ImpostorError mesh = atlas.errors.at(ImpostorScheme::Mesh, diameter);
-    shape.impostor.push_back({0.5f * diameter, error.worst_silhouette_px, error.ssim, mesh.ssim});
-  }
-  if (atlas.errors.directions == 0) shape.impostor.clear();
+  if (atlas.errors.directions > 0) shape.impostor = sizeErrors(atlas);
   const uint32_t handle = world.singleton<SwarmStore>().addShape(std::move(shape));
   world.singleton<ImpostorStore>().set(handle, std::move(atlas));
   return handle;

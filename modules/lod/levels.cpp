@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "engine/assets/mesh_data.h"
-#include "engine/assets/nearest_on_triangle.h"
 #include "modules/lod/lod.h"
+#include "modules/lod/surface_distance.h"
 
 namespace scree {
 namespace {
@@ -35,43 +35,10 @@ MeshData compacted(const MeshData& mesh, std::vector<uint32_t> indices) {
   return level;
 }
 
-void leastDistance(const MeshData& mesh, dvec3 p, double& least) {
-  for (size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
-    const dvec3 a(mesh.vertices[mesh.indices[k]].position), b(mesh.vertices[mesh.indices[k + 1]].position),
-        c(mesh.vertices[mesh.indices[k + 2]].position);
-    if (glm::length(glm::cross(b - a, c - a)) < 1e-30) continue;
-    const dvec3 off = p - nearestOnTriangle(p, a, b, c).point;
-    least = std::min(least, glm::dot(off, off));
-  }
-}
-double distanceTo(std::span<const MeshData> parts, dvec3 p) {
-  double least = 1e300;
-  for (const MeshData& part : parts) leastDistance(part, p, least);
-  return std::sqrt(least);
-}
 size_t indexCount(std::span<const MeshData> parts) {
   size_t count = 0;
   for (const MeshData& part : parts) count += part.indices.size();
   return count;
-}
-
-// Largest distance of one surface's corners and middles of triangles from the other, of some spread over it if
-// they are many.
-double farthest(std::span<const MeshData> from, std::span<const MeshData> to) {
-  constexpr size_t kPoints = 1000;
-  const size_t stride = 3 * std::max<size_t>(1, 4 * indexCount(from) / 3 / kPoints);
-  double most = 0;
-  for (const MeshData& part : from)
-    for (size_t k = 0; k + 2 < part.indices.size(); k += stride) {
-      dvec3 sum(0);
-      for (size_t corner = 0; corner < 3; ++corner) {
-        const dvec3 p(part.vertices[part.indices[k + corner]].position);
-        sum += p;
-        most = std::max(most, distanceTo(to, p));
-      }
-      most = std::max(most, distanceTo(to, sum / 3.0));
-    }
-  return most;
 }
 
 // About `share` of the part's triangles. From the finest level, so that errors do not add up; of whatever error:
@@ -104,7 +71,7 @@ Status addLevels(MeshStore& meshes, GrainShape& shape, std::span<const MeshData>
     if (before > 0 && (count < 3 * kFewTriangles || 3 * count > 2 * before)) break;
     before = count;
     // The simplifier's own estimate of the error is not a bound.
-    const double off = shape.levels.empty() ? 0 : std::max(farthest(parts, level), farthest(level, parts));
+    const double off = shape.levels.empty() ? 0 : surfaceDistance(parts, level);
     shape.levels.push_back({meshes.add(shape.name, level), static_cast<float>(off) / shape.outer_radius});
   }
   return Done{};

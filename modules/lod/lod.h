@@ -32,11 +32,13 @@ struct MeshData;
 
 // ---- What a swarm is ---------------------------------------------------------------------------
 
-// How far from the mesh an impostor is, by its size on the screen.
+// How far from the mesh an impostor is at most, at sizes on the screen from that of the entry before to this one.
 struct SizeError {
   float size_px = 0;        // outer radius
-  float silhouette_px = 0;  // how far outlines are off
-  float ssim = 1;           // structural similarity to the mesh with many samples a pixel
+  float outline = 0;        // how far outlines are off, on the average along one, outer radii
+  float small_outline = 0;  // the same of the nearest view alone
+  float near = 0, small_near = 0;  // and what is added to these: times outer radius / distance of the eye
+  float ssim = 1;           // at this size: structural similarity to the mesh with many samples a pixel
   float mesh_ssim = 1;      // the same of the mesh with one sample a pixel: nothing that is not filtered is better
 };
 
@@ -143,13 +145,19 @@ struct LodSettings {
   SwarmView view = SwarmView::Off;
 };
 
-// Sizes (outer radii in pixels) at which one representation follows the other. A point is off by two
-// thirds of its radius, and shows on few pixels; a mesh level by its error; an impostor by what was measured.
+// Sizes (outer radii in pixels) at which one representation follows the other.
 struct LodThresholds {
   float point_px = 0, impostor_from_px = 0, impostor_px = 0;
+  float small_px = 0;  // below it an impostor of one view is enough
   float mesh_px[rules::kMeshLevels] = {};
 };
-LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings);
+LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings, float pixels_at_1m);
+
+// A bound, in pixels at the picture's middle, of how far the outline of a grain drawn so is off: the area between it and
+// the mesh's, in the same perspective, over the length of the mesh's. A point, a disc with the mean shadow, is
+// off by at most two thirds of its radius; a mesh level by its largest distance to the finest, which perspective
+// enlarges on the side of the eye; an impostor by the worst that was found, and a margin. Below 0: unknown.
+float outlineErrorPx(const GrainShape& shape, uint32_t representation, float size_px, float pixels_at_1m);
 
 // The levels of a mesh, simplified, in the MeshStore; the parts' materials are handles of the MaterialStore
 // (negative: its default). Each level has about a third of the triangles of the one before, as long as it can be

@@ -1,5 +1,6 @@
 // Which representation suffices from which size on.
 #include <algorithm>
+#include <cmath>
 
 #include "modules/lod/lod.h"
 
@@ -8,20 +9,63 @@ namespace {
 
 // A point shows on 2 x 2 pixels at most.
 constexpr float kMostPointPx = 0.75f;
-// Mean distance of a disc's points from its centre / radius: what a point is off by.
+// Mean distance of a disc's points from its centre / radius: no part of what a point stands for is farther off.
 constexpr float kPointError = 2.0f / 3;
+// Impostors were measured up to this outer radius / distance of the eye.
+constexpr float kMostNear = 0.3f;
+const float kEver = 2 * rules::kLargestPx;
+
+// Largest size at which size (share + more size / pixels_at_1m) is no more than the tolerance, all at least 0.
+float mostSize(float share, float more, float tolerance, float pixels_at_1m) {
+  const float a = more / pixels_at_1m;
+  const float root = std::sqrt(share * share + 4 * a * tolerance) + share;
+  return root > 0 ? std::min(2 * tolerance / root, kEver) : kEver;
+}
+
+// Of the outlines of three views, or of one.
+struct Outline {
+  float SizeError::*share;
+  float SizeError::*near;
+};
+constexpr Outline kFull{&SizeError::outline, &SizeError::near}, kSmall{&SizeError::small_outline, &SizeError::small_near};
+
+// Sizes from which and up to which impostors suffice.
+struct Range {
+  float from = 0, to = 0;
+};
+
+// The longest range of sizes, by the ratio of its ends above `least`, in which outlines are good, and the similarity at
+// both ends of each entry.
+Range rangeOf(const GrainShape& shape, const LodSettings& settings, float tolerance, float pixels_at_1m, const Outline& outline,
+              float least) {
+  Range best, range;
+  const auto ratio = [least](const Range& r) { return r.to / std::max(r.from, least); };
+  float begin = 0;
+  bool was_similar = true;  // below the smallest size pictures were not compared; a pixel shows less of them yet
+  for (const SizeError& e : shape.impostor) {
+    const bool similar = e.ssim >= std::min(settings.least_ssim, e.mesh_ssim);
+    const float most = similar && was_similar ? std::min(mostSize(e.*outline.share, e.*outline.near, tolerance, pixels_at_1m), e.size_px) : 0;
+    was_similar = similar;
+    if (most > begin) {
+      if (range.to < begin || range.to == 0) range.from = begin;
+      range.to = most;
+      if (ratio(range) > ratio(best)) best = range;
+    }
+    begin = e.size_px;
+  }
+  return best;
+}
 
 }  // namespace
 
-LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings) {
-  const float kEver = 2 * rules::kLargestPx;
+LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings, float pixels_at_1m) {
   LodThresholds t;
   const float tolerance = std::max(settings.tolerance_px, 0.0f);
   // Level k - 1 takes over where level k is off by too much; a level without error does for all sizes.
   for (uint32_t level = 1; level < rules::kMeshLevels; ++level) {
     if (level >= shape.levels.size()) continue;  // 0: never
     const float error = shape.levels[level].error;
-    t.mesh_px[level] = error > 0 ? tolerance / error : kEver;
+    t.mesh_px[level] = error > 0 ? tolerance / (error + tolerance / pixels_at_1m) : kEver;
   }
   const bool only_mesh = settings.only >= rules::kMesh;
   if (only_mesh) {
@@ -37,22 +81,44 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings)
   if (!only_impostors) t.point_px = std::min(tolerance / kPointError, kMostPointPx);
   if (only_impostors && !shape.impostor.empty()) {
     t.impostor_px = kEver;
+    t.small_px = rules::kSmallPx;
     return t;
   }
-  // One range of sizes: from the first measured size that is good enough to the last before one that is not.
-  bool inside = false;
-  for (const SizeError& measured : shape.impostor) {
-    const bool good = measured.silhouette_px <= tolerance && measured.ssim >= std::min(settings.least_ssim, measured.mesh_ssim);
-    if (good && !inside) {
-      if (t.impostor_px > 0) break;
-      // Below the smallest that was measured outlines are off by less yet.
-      t.impostor_from_px = &measured == &shape.impostor.front() ? 0 : measured.size_px;
-      inside = true;
-    }
-    if (good) t.impostor_px = measured.size_px;
-    if (!good && inside) break;
+  // One view where it is good, and three from there on: one range of sizes. If there is a gap, the longer part.
+  const float least = std::max(t.point_px, 0.01f);
+  const Range full = rangeOf(shape, settings, tolerance, pixels_at_1m, kFull, least);
+  Range small = rangeOf(shape, settings, tolerance, pixels_at_1m, kSmall, least);
+  small.to = std::min(small.to, rules::kSmallPx);
+  const bool some = small.to > std::max(small.from, least);
+  if (some && small.from <= full.from && full.from <= small.to && full.to > small.to) {
+    t.impostor_from_px = small.from;
+    t.small_px = small.to;
+    t.impostor_px = full.to;
+  } else if (some && small.to * std::max(full.from, least) >= full.to * std::max(small.from, least)) {
+    t.impostor_from_px = small.from;
+    t.small_px = kEver;
+    t.impostor_px = small.to;
+  } else {
+    t.impostor_from_px = full.from;
+    t.impostor_px = full.to;
   }
+  t.impostor_px = std::min(t.impostor_px, kMostNear / (1 + std::max(settings.band, 0.0f)) * pixels_at_1m);
   return t;
+}
+
+float outlineErrorPx(const GrainShape& shape, uint32_t representation, float size_px, float pixels_at_1m) {
+  const float near = size_px / pixels_at_1m;
+  if (representation == rules::kNotDrawn) return 0;
+  if (representation == rules::kPoint) return kPointError * size_px;
+  if (representation >= rules::kMesh) {
+    const uint32_t level = representation - rules::kMesh;
+    if (level >= shape.levels.size() || !(near < 1)) return -1;
+    return shape.levels[level].error * size_px / (1 - near);
+  }
+  const Outline& outline = representation == rules::kSmallImpostor ? kSmall : kFull;
+  for (const SizeError& e : shape.impostor)
+    if (size_px <= e.size_px && near <= kMostNear) return size_px * (e.*outline.share + e.*outline.near * near);
+  return -1;
 }
 
 }  // namespace scree

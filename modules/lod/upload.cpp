@@ -88,8 +88,8 @@ uint32_t possibleOf(const LodThresholds& t, size_t levels) {
   const auto add = [&](uint32_t representation) { possible |= 1u << representation; };
   if (t.point_px > 0) add(rules::kPoint);
   if (t.impostor_px > t.impostor_from_px) {
-    if (t.impostor_from_px < rules::kSmallPx) add(rules::kSmallImpostor);
-    if (t.impostor_px > rules::kSmallPx) add(rules::kImpostor);
+    if (t.impostor_from_px < t.small_px) add(rules::kSmallImpostor);
+    if (t.impostor_px > t.small_px) add(rules::kImpostor);
   }
   const float most = std::max(t.point_px, t.impostor_px);
   if (most > rules::kLargestPx) return possible;  // one for all sizes
@@ -123,11 +123,12 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   const vec3 middle = vec3(block.origin) + 0.5f * (stored.min + stored.max);
   const bool knows = knowsWhatWasSeen(state, view, middle, 0.5f * glm::length(stored.max - stored.min));
   block.candidate_cell = knows ? rules::kCandidateCellLater : rules::kCandidateCell;
-  const LodThresholds t = thresholdsOf(shape, settings);
+  const LodThresholds t = thresholdsOf(shape, settings, view.block.pixels_at_1m);
   block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
   block.point_px = t.point_px;
   block.impostor_px = t.impostor_px;
   block.impostor_from_px = t.impostor_from_px;
+  block.small_px = t.small_px;
   block.band = settings.band;
   block.cull = settings.cull ? 1 : 0;
   const bool grains_apart = settings.view == SwarmView::Representation || settings.view == SwarmView::Frozen;

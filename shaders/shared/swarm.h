@@ -21,14 +21,14 @@ struct SwarmRecord {
 // How a grain is drawn. What may well hide others is drawn first; the rest if the depth pyramid does not hide it.
 const uint kNotDrawn = 0u;
 const uint kPoint = 1u;
-const uint kSmallImpostor = 2u;  // of one view, below kSmallPx
+const uint kSmallImpostor = 2u;  // of one view
 const uint kImpostor = 3u;
 const uint kMesh = 4u;  // level 0; the coarser ones follow
 const uint kMeshLevels = 4u;
 const uint kFirst = 8u;  // added to these: drawn first
 const uint kRepresentations = 16u;
 const uint kCountWords = 4u;  // of a run's counts, a byte a representation
-// The nearest view alone is off by less than a tenth of such a grain, and in place of which view it is.
+// Impostors above this size show three views, however good the nearest alone may be.
 const float kSmallPx = 4.0f;
 const uint kMeshParts = 4u;  // of a shape, each of another material
 
@@ -63,7 +63,7 @@ struct SwarmBlock {
   float candidate_cell;  // cells of the candidate map, in sizes of a grain
   uint cull;             // 1: what the depth pyramid hides is not drawn
   uint last_first;       // 1: the last of its runs are nearer than the first
-  uint pad0;
+  float small_px;        // below this an impostor shows one view
 };
 
 // std430: where the lists of the representations are, and what draws them.
@@ -173,7 +173,7 @@ RULE uint representationOf(float size_px, uint drawn_as, SwarmBlock swarm) {
   if (isBelow(size_px, swarm.point_px, band, before > kPoint)) return kPoint;
   if (isBelow(size_px, swarm.impostor_px, band, was_mesh) &&
       !isBelow(size_px, swarm.impostor_from_px, band, before == kImpostor || before == kSmallImpostor))
-    return isBelow(size_px, kSmallPx, band, before >= kImpostor) ? kSmallImpostor : kImpostor;
+    return isBelow(size_px, swarm.small_px, band, before >= kImpostor) ? kSmallImpostor : kImpostor;
   uint level = kMeshLevels - 1u;
   while (level > 0u && !isBelow(size_px, swarm.mesh_px[int(level)], band, was_mesh && before - kMesh < level)) --level;
   return kMesh + level;

@@ -214,7 +214,8 @@ void addTo(Shot& shot, const Times& times, const Scenes& all, const Plan& plan, 
   shot.sprites_ms += *times[kSprites];
   shot.dearest_ms = std::max(shot.dearest_ms, hybrid);
   shot.cheapest_ms = std::min(shot.cheapest_ms, hybrid);
-  const LodThresholds thresholds = thresholdsOf(all.scenes[kHybrid]->bean(), LodSettings{});
+  const LodThresholds thresholds = thresholdsOf(
+      all.scenes[kHybrid]->bean(), LodSettings{}, static_cast<float>(beanPx(all.heap, 1, plan.size.y)) / all.heap.bean_radius);
   const double nearest = beanPx(all.heap, distance_m, plan.size.y),
                farthest = beanPx(all.heap, distance_m + static_cast<double>(kHeapSize), plan.size.y);
   double single = std::numeric_limits<double>::infinity();

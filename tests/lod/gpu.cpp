@@ -38,7 +38,7 @@ Expected expectedRoutes(SwarmScene& scene, std::span<const rules::SwarmRecord> r
       if (std::abs(depth + radius) < 1e-5f * distance) expected.doubtful[k] = true;
     }
     const float size = rules::sizePx(radius, distance, view.pixels_at_1m);
-    for (const float t : {block.point_px, block.impostor_px, block.impostor_from_px, rules::kSmallPx, block.mesh_px.y, block.mesh_px.z, block.mesh_px.w})
+    for (const float t : {block.point_px, block.impostor_px, block.impostor_from_px, block.small_px, block.mesh_px.y, block.mesh_px.z, block.mesh_px.w})
       if (std::abs(size - t) < 1e-5f * size) expected.doubtful[k] = true;
     expected.route[k] = outside ? rules::kNotDrawn : rules::representationOf(size, rules::kNotDrawn, block);
     if (expected.route[k] <= rules::kPoint) continue;
@@ -94,7 +94,7 @@ TEST_F(Routing, IsTheCpusAndListsAreInOrder) {
   for (const size_t count : {size_t{1}, size_t{63}, size_t{64}, size_t{65}, size_t{4096}, size_t{4097}, size_t{100003}}) {
     SwarmScene scene;
     GrainShape shape = scene.ballShape();
-    shape.impostor = {{2, 0.1f, 1}, {40, 0.4f, 1}};
+    shape.impostor = {{2, 0.05f, 0.1f}, {40, 0.01f, 0.1f}};
     scene.look({0, 0, 3}, {0, 0, 0});
     const std::vector<SwarmGrain> grains = cloud(count, 2, 0.001f, 0.3f);
     scene.show(scene.world.singleton<SwarmStore>().addShape(shape), grains);

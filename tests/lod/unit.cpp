@@ -8,8 +8,10 @@
 #include <limits>
 
 #include "engine/core/random.h"
+#include "engine/assets/nearest_on_triangle.h"
 #include "modules/lod/lod.h"
 #include "modules/lod/order.h"
+#include "modules/lod/surface_distance.h"
 #include "tests/deferred/studio.h"
 
 namespace scree::test {
@@ -61,32 +63,62 @@ TEST(SwarmRecords, SizesAndLooks) {
   EXPECT_NEAR(rules::roughnessOf(look), 0.5f, 0.002f);
 }
 
+// Sizes, outlines of three views and of one, what nearness adds to these, similarities.
 GrainShape measuredShape() {
   GrainShape shape;
   shape.levels = {{0, 0}, {1, 0.01f}, {2, 0.05f}};
-  shape.impostor = {{4, 0.1f, 0.97f}, {8, 0.2f, 0.98f}, {16, 0.3f, 0.98f}, {32, 0.6f, 0.97f}, {64, 1.2f, 0.9f}};
+  shape.impostor = {{2, 0.05f, 0.1f, 0, 0, 0.97f},      {4, 0.03f, 0.1f, 0, 0, 0.97f},  {8, 0.025f, 0.1f, 0, 0, 0.98f},
+                    {16, 0.02f, 0.1f, 0, 0, 0.98f},     {32, 0.02f, 0.1f, 0, 0, 0.97f}, {64, 0.02f, 0.1f, 0, 0, 0.9f},
+                    {128, 0.001f, 0.1f, 0, 0, 0.9f, 0.9f}};
   return shape;
 }
+constexpr float kFar = 1e9f;  // pixels at 1 m: all sizes are far away
 
 TEST(Thresholds, FollowTheMeasuredErrors) {
-  LodThresholds t = thresholdsOf(measuredShape(), {.tolerance_px = 0.5f});
+  LodThresholds t = thresholdsOf(measuredShape(), {.tolerance_px = 0.5f}, kFar);
   EXPECT_FLOAT_EQ(t.point_px, 0.75f);
   EXPECT_FLOAT_EQ(t.impostor_from_px, 0);
-  EXPECT_FLOAT_EQ(t.impostor_px, 16);
+  EXPECT_FLOAT_EQ(t.small_px, 4);
+  EXPECT_FLOAT_EQ(t.impostor_px, 25) << "0.5 / 0.02";
   EXPECT_FLOAT_EQ(t.mesh_px[1], 50);
   EXPECT_FLOAT_EQ(t.mesh_px[2], 10);
   EXPECT_FLOAT_EQ(t.mesh_px[3], 0) << "there is no such level";
-  t = thresholdsOf(measuredShape(), {.tolerance_px = 2});
+  t = thresholdsOf(measuredShape(), {.tolerance_px = 2}, kFar);
   EXPECT_FLOAT_EQ(t.impostor_px, 32) << "the similarity ends it, not the outline";
   // An impostor that is bad at small sizes.
   GrainShape shape = measuredShape();
   shape.impostor[0].ssim = 0.9f;
-  t = thresholdsOf(shape, {.tolerance_px = 0.5f});
-  EXPECT_FLOAT_EQ(t.impostor_from_px, 8);
-  EXPECT_FLOAT_EQ(t.impostor_px, 16);
+  t = thresholdsOf(shape, {.tolerance_px = 0.5f}, kFar);
+  EXPECT_FLOAT_EQ(t.impostor_from_px, 4);
+  EXPECT_FLOAT_EQ(t.small_px, 0);
+  EXPECT_FLOAT_EQ(t.impostor_px, 25);
+  // One view alone is good up to 2.5 px only; three are from 2 px on.
+  t = thresholdsOf(measuredShape(), {.tolerance_px = 0.25f}, kFar);
+  EXPECT_FLOAT_EQ(t.impostor_from_px, 0);
+  EXPECT_FLOAT_EQ(t.small_px, 2.5f);
+  EXPECT_FLOAT_EQ(t.impostor_px, 12.5f);
+  // It ends before three views begin.
+  shape = measuredShape();
+  shape.impostor[1].outline = shape.impostor[2].outline = 0.5f;
+  t = thresholdsOf(shape, {.tolerance_px = 0.25f}, kFar);
+  EXPECT_GT(t.small_px, 1e9f) << "always";
+  EXPECT_FLOAT_EQ(t.impostor_px, 2.5f);
   // One that is good nowhere.
-  t = thresholdsOf(measuredShape(), {.tolerance_px = 0.01f});
+  shape = measuredShape();
+  for (SizeError& e : shape.impostor) e.outline = e.small_outline = 10;
+  shape.impostor.front().ssim = 0.9f;
+  t = thresholdsOf(shape, {.tolerance_px = 0.5f}, kFar);
   EXPECT_FLOAT_EQ(t.impostor_px, 0);
+}
+
+TEST(Thresholds, ComeDownWhereThePerspectiveIsStrong) {
+  GrainShape shape = measuredShape();
+  for (SizeError& e : shape.impostor) e.near = 0.2f;
+  // size (0.02 + 0.2 size / 400) = 0.5
+  EXPECT_NEAR(thresholdsOf(shape, {.tolerance_px = 0.5f}, 400).impostor_px, 17.4166f, 1e-3f);
+  // size 0.01 / (1 - size / 100) = 0.5
+  EXPECT_NEAR(thresholdsOf(shape, {.tolerance_px = 0.5f}, 100).mesh_px[1], 33.3333f, 1e-3f);
+  EXPECT_LE(thresholdsOf(shape, {.tolerance_px = 0.5f, .band = 0.05f}, 20).impostor_px * 1.05f, 6.0001f) << "not measured nearer";
 }
 
 rules::SwarmBlock blockOf(const LodThresholds& t, float band) {
@@ -95,37 +127,36 @@ rules::SwarmBlock blockOf(const LodThresholds& t, float band) {
   block.point_px = t.point_px;
   block.impostor_px = t.impostor_px;
   block.impostor_from_px = t.impostor_from_px;
+  block.small_px = t.small_px;
   block.band = band;
   return block;
 }
 
 TEST(Representation, ErrorIsWithinTheToleranceAtEverySize) {
-  const GrainShape shape = measuredShape();
-  const LodSettings settings{.tolerance_px = 0.5f};
-  const rules::SwarmBlock block = blockOf(thresholdsOf(shape, settings), 0);
-  uint32_t last = rules::kPoint;
-  for (float size = 0.01f; size < 1000; size *= 1.01f) {
-    const uint32_t r = rules::representationOf(size, rules::kNotDrawn, block);
-    float error = 0;
-    if (r == rules::kPoint) error = size * 2 / 3;
-    if (r == rules::kImpostor || r == rules::kSmallImpostor)
-      for (const SizeError& e : shape.impostor) {
-        error = e.silhouette_px;
-        if (e.size_px >= size) break;
+  GrainShape shape = measuredShape();
+  for (SizeError& e : shape.impostor) e.near = e.small_near = 0.1f;
+  for (const float tolerance : {0.1f, 0.25f, 0.5f, 1.0f})
+    for (const float pixels_at_1m : {60.0f, 400.0f, 3000.0f}) {
+      const LodSettings settings{.tolerance_px = tolerance};
+      const rules::SwarmBlock block = blockOf(thresholdsOf(shape, settings, pixels_at_1m), 0);
+      uint32_t last = rules::kPoint;
+      for (float size = 0.01f; size < 0.99f * pixels_at_1m; size *= 1.01f) {
+        const uint32_t r = rules::representationOf(size, rules::kNotDrawn, block);
+        const float error = outlineErrorPx(shape, r, size, pixels_at_1m);
+        EXPECT_LE(error, settings.tolerance_px * 1.0001f) << size;
+        EXPECT_GE(error, 0) << size;
+        if (last >= rules::kMesh && r >= rules::kMesh) {
+          EXPECT_LE(r, last) << "finer as it comes near";
+        }
+        last = r;
       }
-    if (r >= rules::kMesh) error = shape.levels[r - rules::kMesh].error * size;
-    EXPECT_LE(error, settings.tolerance_px) << size;
-    if (last >= rules::kMesh) {
-      EXPECT_LE(r, last) << "finer as it comes near";
+      EXPECT_EQ(last, rules::kMesh);
     }
-    last = r;
-  }
-  EXPECT_EQ(last, rules::kMesh);
 }
 
 TEST(Representation, TremblingAtAThresholdSwitchesOnce) {
-  const rules::SwarmBlock block = blockOf(thresholdsOf(measuredShape(), {.tolerance_px = 0.5f}), 0.05f);
-  for (const float threshold : {0.75f, 16.0f, 50.0f}) {
+  const rules::SwarmBlock block = blockOf(thresholdsOf(measuredShape(), {.tolerance_px = 0.5f}, kFar), 0.05f);
+  for (const float threshold : {0.75f, 4.0f, 25.0f, 50.0f}) {
     uint32_t r = rules::representationOf(threshold * 0.999f, rules::kNotDrawn, block);
     int switches = 0;
     for (int k = 0; k < 1000; ++k) {
@@ -234,6 +265,43 @@ TEST(MeshLevels, ErrorsHoldAgainstTheMesh) {
       EXPECT_LT(level.error, 1.5 * off + 3e-3);
     }
   }
+}
+
+// Random triangles, against all points of a fine lattice on them.
+TEST(SurfaceDistance, BoundsTheFarthestPoint) {
+  const auto soup = [](uint64_t seed, size_t triangles) {
+    MeshData mesh;
+    for (size_t k = 0; k < 3 * triangles; ++k) {
+      const auto unit = [&](uint64_t at) { return randomUnit(seed, k, 0, at); };
+      mesh.vertices.push_back({.position = vec3(unit(0), unit(1), unit(2))});
+      mesh.indices.push_back(static_cast<uint32_t>(k));
+    }
+    return mesh;
+  };
+  const auto farthest = [](const MeshData& from, const MeshData& to) {
+    constexpr int kSteps = 60;
+    double most = 0;
+    const auto corner = [](const MeshData& mesh, size_t k) { return dvec3(mesh.vertices[k].position); };
+    for (size_t t = 0; t < from.indices.size(); t += 3)
+      for (int i = 0; i <= kSteps; ++i)
+        for (int j = 0; i + j <= kSteps; ++j) {
+          const double b = static_cast<double>(i) / kSteps, c = static_cast<double>(j) / kSteps;
+          const dvec3 p = corner(from, t) * (1 - b - c) + corner(from, t + 1) * b + corner(from, t + 2) * c;
+          double least = 1e9;
+          for (size_t u = 0; u < to.indices.size(); u += 3)
+            least = std::min(least, glm::length(p - nearestOnTriangle(p, corner(to, u), corner(to, u + 1), corner(to, u + 2)).point));
+          most = std::max(most, least);
+        }
+    return most;
+  };
+  for (uint64_t k = 0; k < 40; ++k) {
+    const MeshData a = soup(2 * k + 100, 1 + k % 5), b = soup(2 * k + 101, 1 + k % 7);
+    const double expected = std::max(farthest(a, b), farthest(b, a)), bound = surfaceDistance(std::span(&a, 1), std::span(&b, 1));
+    EXPECT_GE(bound, expected) << k;
+    EXPECT_LE(bound, 1.06 * expected + 1e-3) << k;
+  }
+  const MeshData sheet = sheetMesh();
+  EXPECT_LE(surfaceDistance(std::span(&sheet, 1), std::span(&sheet, 1)), 1e-3);
 }
 
 }  // namespace
