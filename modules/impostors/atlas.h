@@ -64,6 +64,8 @@ struct ImpostorOutlines {
   std::array<float, kImpostorMostLevels> full, small;
   // More for a nearer one: of outer radius / distance, up to kImpostorMostNear.
   float full_near = 0, small_near = 0;
+  // Of a disc with the mean shadow in the mesh's place, wherever the eye is.
+  float point = kImpostorOutlineUnknown;
 
   ImpostorOutlines() { full.fill(kImpostorOutlineUnknown), small.fill(kImpostorOutlineUnknown); }
 };

@@ -13,7 +13,7 @@ namespace scree {
 namespace {
 
 constexpr uint64_t kMagic = 0x504d494545524353ull;  // "SCREEIMP"
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 // Numbers this far from what a grain can have are damage.
 constexpr float kMostUnits = 1e9f;
 
@@ -46,7 +46,7 @@ std::string body(const ImpostorAtlas& a) {
       for (float x : {e.ssim, e.flip, e.silhouette_px, e.worst_silhouette_px}) out.number(x);
   for (const auto* levels : {&a.errors.outlines.full, &a.errors.outlines.small})
     for (float x : *levels) out.number(x);
-  for (float x : {a.errors.outlines.full_near, a.errors.outlines.small_near}) out.number(x);
+  for (float x : {a.errors.outlines.full_near, a.errors.outlines.small_near, a.errors.outlines.point}) out.number(x);
   for (const std::vector<uint8_t>* texture : {&a.shape, &a.color, &a.normal})
     out.content.append(reinterpret_cast<const char*>(texture->data()), texture->size());
   return std::move(out.content);
@@ -71,6 +71,7 @@ const char* fault(const ImpostorAtlas& a) {
   for (const auto* levels : {&a.errors.outlines.full, &a.errors.outlines.small})
     for (const float x : *levels)
       if (!within(x, 0, kImpostorOutlineUnknown)) return "a bound of its outlines is out of range";
+  if (!within(a.errors.outlines.point, 0, kImpostorOutlineUnknown)) return "a bound of its outlines is out of range";
   for (const float x : {a.errors.outlines.full_near, a.errors.outlines.small_near})
     if (!within(x, 0, kImpostorOutlineUnknown / kImpostorMostNear)) return "a bound of its outlines is out of range";
   return nullptr;
@@ -123,7 +124,7 @@ Result<ImpostorAtlas> decodeAtlas(std::string_view bytes, std::string_view where
         *x = in.number<float>();
   for (auto* levels : {&a.errors.outlines.full, &a.errors.outlines.small})
     for (float& x : *levels) x = in.number<float>();
-  for (float* x : {&a.errors.outlines.full_near, &a.errors.outlines.small_near}) *x = in.number<float>();
+  for (float* x : {&a.errors.outlines.full_near, &a.errors.outlines.small_near, &a.errors.outlines.point}) *x = in.number<float>();
   if (in.failed()) return refuse(fmt::format("ends after {} bytes", bytes.size()));
   if (const char* wrong = fault(a)) return refuse(wrong);
   const uint64_t count = a.texelCount();

@@ -98,7 +98,10 @@ Result<uint32_t> addGrainShape(World& world, std::string name, const GrainMesh& 
   if (Status added = addLevels(world.singleton<MeshStore>(), shape, parts); !added.ok()) return added.takeError();
   setMeanLook(materials, shape, parts);
   shape.albedo = albedoSeen(atlas);
-  if (atlas.errors.directions > 0) shape.impostor = sizeErrors(atlas);
+  if (atlas.errors.directions > 0) {
+    shape.impostor = sizeErrors(atlas);
+    shape.point_outline = atlas.errors.outlines.point;
+  }
   const uint32_t handle = world.singleton<SwarmStore>().addShape(std::move(shape));
   world.singleton<ImpostorStore>().set(handle, std::move(atlas));
   return handle;

@@ -56,6 +56,9 @@ struct GrainShape {
   vec3 albedo{1};                        // mean over its surface, linear
   float roughness = 1, metallic = 0;     // likewise
   float cast_share = 1;                  // radius of a ball with the mean shadow of the mesh / outer radius
+  // How far the outline of a disc of that radius is off at most, in outer radii. If nobody knows better: the mean distance
+  // of a disc's points from its centre.
+  float point_outline = 2.0f / 3;
   std::vector<SizeError> impostor;   // by rising size; empty: it has none
 };
 
@@ -154,9 +157,8 @@ struct LodThresholds {
 LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings, float pixels_at_1m);
 
 // A bound, in pixels at the picture's middle, of how far the outline of a grain drawn so is off: the area between it and
-// the mesh's, in the same perspective, over the length of the mesh's. A point, a disc with the mean shadow, is
-// off by at most two thirds of its radius; a mesh level by its largest distance to the finest, which perspective
-// enlarges on the side of the eye; an impostor by the worst that was found, and a margin. Below 0: unknown.
+// the mesh's, in the same perspective, over the length of the mesh's. A point is a disc; a mesh level by its largest distance to the finest, which perspective
+// enlarges on the side of the eye; impostors and points by the worst that was found, and a margin. Below 0: unknown.
 float outlineErrorPx(const GrainShape& shape, uint32_t representation, float size_px, float pixels_at_1m);
 
 // The levels of a mesh, simplified, in the MeshStore; the parts' materials are handles of the MaterialStore

@@ -8,9 +8,7 @@ namespace scree {
 namespace {
 
 // A point shows on 2 x 2 pixels at most.
-constexpr float kMostPointPx = 0.75f;
-// Mean distance of a disc's points from its centre / radius: no part of what a point stands for is farther off.
-constexpr float kPointError = 2.0f / 3;
+constexpr float kMostPointPx = 0.82f;
 // Impostors were measured up to this outer radius / distance of the eye.
 constexpr float kMostNear = 0.3f;
 const float kEver = 2 * rules::kLargestPx;
@@ -78,14 +76,14 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings,
     return t;
   }
   const bool only_impostors = settings.only == rules::kImpostor || settings.only == rules::kSmallImpostor;
-  if (!only_impostors) t.point_px = std::min(tolerance / kPointError, kMostPointPx);
+  if (!only_impostors) t.point_px = std::min(shape.point_outline > 0 ? tolerance / shape.point_outline : kEver, kMostPointPx);
   if (only_impostors && !shape.impostor.empty()) {
     t.impostor_px = kEver;
     t.small_px = rules::kSmallPx;
     return t;
   }
   // One view where it is good, and three from there on: one range of sizes. If there is a gap, the longer part.
-  const float least = std::max(t.point_px, 0.01f);
+  const float least = std::max(t.point_px * (1 - rules::kPointSpread), 0.01f);
   const Range full = rangeOf(shape, settings, tolerance, pixels_at_1m, kFull, least);
   Range small = rangeOf(shape, settings, tolerance, pixels_at_1m, kSmall, least);
   small.to = std::min(small.to, rules::kSmallPx);
@@ -109,7 +107,7 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings,
 float outlineErrorPx(const GrainShape& shape, uint32_t representation, float size_px, float pixels_at_1m) {
   const float near = size_px / pixels_at_1m;
   if (representation == rules::kNotDrawn) return 0;
-  if (representation == rules::kPoint) return kPointError * size_px;
+  if (representation == rules::kPoint) return shape.point_outline * size_px;
   if (representation >= rules::kMesh) {
     const uint32_t level = representation - rules::kMesh;
     if (level >= shape.levels.size() || !(near < 1)) return -1;

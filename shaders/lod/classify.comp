@@ -17,7 +17,7 @@ uint representationNow(SwarmRecord grain, uint before) {
     if (dot(view.frustum_planes[k].xyz, center) + view.frustum_planes[k].w < -radius) return kNotDrawn;
   float distance = length(center);
   float size_px = sizePx(radius, distance, view.pixels_at_1m);
-  uint now = representationOf(size_px, before, swarm);
+  uint now = representationOf(size_px, ownShare(grain.look, grain.size), before, swarm);
   if (now > kPoint) {
     uint cell = candidateCell(pixelOf(view, center), size_px, swarm.candidate_cell, ivec2(view.size_px));
     uint key = candidateKey(distance);

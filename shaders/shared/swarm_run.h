@@ -41,7 +41,7 @@ RULE uint routeOfRun(SwarmRun run, SwarmBlock swarm, ViewBlock view) {
   if (!inside) return kUnlike;
   vec3 nearest = max(max(low, -high), vec3(0.0f, 0.0f, 0.0f));
   float most_px = sizePx(run.most_radius, length(nearest) * (1.0f - kRunSlack), view.pixels_at_1m);
-  return most_px < swarm.point_px * (1.0f - swarm.band) * (1.0f - kRunSlack) ? kPoint : kUnlike;
+  return most_px < swarm.point_px * (1.0f - kPointSpread) * (1.0f - swarm.band) * (1.0f - kRunSlack) ? kPoint : kUnlike;
 }
 
 // Eight grains that are all drawn so, of which the first `count` exist.

@@ -76,6 +76,7 @@ struct GrainView {
   float size_px = 1, pixels_at_1m = 400;
   uint32_t drawn_before = rules::kNotDrawn;
   uint32_t drawn_as = rules::kNotDrawn;
+  float own = 0;
   double predicted_px = 0, measured_px = 0;
 };
 
@@ -97,6 +98,7 @@ inline GrainView randomGrainView(uint64_t number, size_t shapes) {
   view.view.right = right * std::cos(roll) + up * std::sin(roll);
   view.view.up = up * std::cos(roll) - right * std::sin(roll);
   view.drawn_before = unit(7) < 0.5f ? rules::kNotDrawn : static_cast<uint32_t>(unit(8) * 8);
+  view.own = unit(9);
   return view;
 }
 
@@ -125,7 +127,7 @@ inline std::vector<GrainView> expectBounded(const std::vector<RoutedShape>& shap
       const RoutedShape& routed = shapes[view.shape];
       const LodSettings settings{.tolerance_px = k % 3 == 0 ? 0.25f : k % 3 == 1 ? 0.5f : 1.0f};
       const rules::SwarmBlock block = routingBlock(thresholdsOf(routed.shape, settings, view.pixels_at_1m), settings.band);
-      view.drawn_as = rules::representationOf(view.size_px, view.drawn_before, block);
+      view.drawn_as = rules::representationOf(view.size_px, view.own, view.drawn_before, block);
       view.predicted_px = outlineErrorPx(routed.shape, view.drawn_as, view.size_px, view.pixels_at_1m);
       view.measured_px = measuredPx(routed, view, kSamples);
       // A grain that keeps what it was drawn as may be off by a little more.

@@ -38,9 +38,10 @@ Expected expectedRoutes(SwarmScene& scene, std::span<const rules::SwarmRecord> r
       if (std::abs(depth + radius) < 1e-5f * distance) expected.doubtful[k] = true;
     }
     const float size = rules::sizePx(radius, distance, view.pixels_at_1m);
-    for (const float t : {block.point_px, block.impostor_px, block.impostor_from_px, block.small_px, block.mesh_px.y, block.mesh_px.z, block.mesh_px.w})
+    const float own = rules::ownShare(record.look, record.size);
+    for (const float t : {block.point_px * (1 - rules::kPointSpread * own), block.impostor_px, block.impostor_from_px, block.small_px, block.mesh_px.y, block.mesh_px.z, block.mesh_px.w})
       if (std::abs(size - t) < 1e-5f * size) expected.doubtful[k] = true;
-    expected.route[k] = outside ? rules::kNotDrawn : rules::representationOf(size, rules::kNotDrawn, block);
+    expected.route[k] = outside ? rules::kNotDrawn : rules::representationOf(size, own, rules::kNotDrawn, block);
     if (expected.route[k] <= rules::kPoint) continue;
     cell[k] = rules::candidateCell(rules::pixelOf(view, center), size, block.candidate_cell, scene.size);
     key[k] = rules::candidateKey(distance);

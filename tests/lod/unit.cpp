@@ -141,7 +141,7 @@ TEST(Representation, ErrorIsWithinTheToleranceAtEverySize) {
       const rules::SwarmBlock block = blockOf(thresholdsOf(shape, settings, pixels_at_1m), 0);
       uint32_t last = rules::kPoint;
       for (float size = 0.01f; size < 0.99f * pixels_at_1m; size *= 1.01f) {
-        const uint32_t r = rules::representationOf(size, rules::kNotDrawn, block);
+        const uint32_t r = rules::representationOf(size, 0.5f, rules::kNotDrawn, block);
         const float error = outlineErrorPx(shape, r, size, pixels_at_1m);
         EXPECT_LE(error, settings.tolerance_px * 1.0001f) << size;
         EXPECT_GE(error, 0) << size;
@@ -157,18 +157,18 @@ TEST(Representation, ErrorIsWithinTheToleranceAtEverySize) {
 TEST(Representation, TremblingAtAThresholdSwitchesOnce) {
   const rules::SwarmBlock block = blockOf(thresholdsOf(measuredShape(), {.tolerance_px = 0.5f}, kFar), 0.05f);
   for (const float threshold : {0.75f, 4.0f, 25.0f, 50.0f}) {
-    uint32_t r = rules::representationOf(threshold * 0.999f, rules::kNotDrawn, block);
+    uint32_t r = rules::representationOf(threshold * 0.999f, 0, rules::kNotDrawn, block);
     int switches = 0;
     for (int k = 0; k < 1000; ++k) {
       const float size = threshold * (1 + 1e-4f * (2 * randomUnit(5, static_cast<uint64_t>(k), 0, 0) - 1));
-      const uint32_t now = rules::representationOf(size, r, block);
+      const uint32_t now = rules::representationOf(size, 0, r, block);
       switches += now != r;
       r = now;
     }
     EXPECT_LE(switches, 1) << threshold;
     // And it does switch in the end, both ways.
-    const uint32_t above = rules::representationOf(threshold * 1.2f, r, block);
-    const uint32_t below = rules::representationOf(threshold * 0.8f, above, block);
+    const uint32_t above = rules::representationOf(threshold * 1.2f, 0, r, block);
+    const uint32_t below = rules::representationOf(threshold * 0.8f, 0, above, block);
     EXPECT_NE(above, below) << threshold;
   }
 }
