@@ -19,13 +19,10 @@ inline constexpr int kHashedFrames = 6;
 // One line "frame K HASH" a frame: of the G-buffer, the picture, ids, lists and routes.
 inline void printFrameHashes() {
   BeanScene scene({320, 200});
-  // Crumbs on large ones, so that all representations are seen at once.
-    scene.world.add(scene.show(scene.bean, beanBed(28, 6, 0.8f)), CastsShadow{});
-  std::vector<SwarmGrain> crumbs = beanBed(80, 1, 0.1f, 9);
-  for (SwarmGrain& crumb : crumbs) {
-    crumb.position = 0.3f * crumb.position + vec3(0, 1, 0);
-    crumb.radius *= 0.05f;
-  }
+  // Crumbs over large ones, so that all representations are seen at once; so many, in such disorder, that threads meet.
+  scene.world.add(scene.show(scene.bean, beanBed(40, 6, 0.8f)), CastsShadow{});
+  std::vector<SwarmGrain> crumbs = cloud(150'000, 14, 0.002f, 0.05f);
+  for (SwarmGrain& crumb : crumbs) crumb.position.y = 0.1f * crumb.position.y + 1.5f;
   scene.show(scene.bean, crumbs);
   for (int frame = 0; frame < kHashedFrames; ++frame) {
     const double t = 0.05 * frame;
