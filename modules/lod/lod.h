@@ -69,7 +69,7 @@ struct SwarmGrain {
   quat rotation{1, 0, 0, 0};
   vec3 tint{1};              // of the shape's colour, linear, [0, 1]
   float roughness = 1;       // factor of the shape's, [0, 1]
-  uint16_t seed = 0;
+  uint16_t seed = 0;  // a number of its own; with the tint and the radius, it says at which size it becomes a point
 };
 rules::SwarmRecord packed(const SwarmGrain& grain, float largest_radius);
 
