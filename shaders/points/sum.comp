@@ -53,27 +53,39 @@ void main() {
   float most_band = pointBand(bounds.most_radius, place.farthest / view.pixels_at_1m);
   float front = (place.nearest - kMeanFront * bounds.most_radius) * (1.0 - kRunSlack) - most_band * (1.0 + kRunSlack);
   if (front > 0.0 && allNearer(place, pointKey(front) + 1u)) word = end;
-  for (; word < end; ++word, first += 8u)
+  // First which grains are seen, then what they add: adding is much dearer, even where it is left out for most.
+  uvec2 visible = uvec2(0u);
+  for (uint in_run = 0u; word < end; ++word, in_run += 8u)
     for (uint points = pointsOf(representations[word]); points != 0u; points &= points - 1u) {
-      uint grain = first + (uint(findLSB(points)) >> 2u);
-      SwarmRecord record = records[grain];
-      Seen seen = seenOf(record);
+      uint k = in_run + (uint(findLSB(points)) >> 2u);
+      Seen seen = seenOf(records[first + k]);
       if (seen.along == 0.0) continue;
       uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
       float pixel_m = seen.along / view.pixels_at_1m;
       if (seen.front > alongOf(keys[at]) + pointBand(seen.radius, pixel_m)) continue;
-#ifdef IDS
-      if (pointKey(seen.front) == keys[at]) atomicMax(ids[at], idOf(grain));
-#endif
-      float radius_px = min(seen.radius * swarm.albedo.a / pixel_m, kLargestPointPx);
-      vec2 corner = seen.pixel_px - 0.5;
-      ivec2 base = ivec2(floor(corner));
-      vec4 shares = pointShares(corner - vec2(base)) * (3.14159265 * radius_px * radius_px);
-      vec3 color = tintOf(record.look) * swarm.albedo.rgb;
-      vec2 surface = vec2(roughnessOf(record.look) * swarm.roughness, swarm.metallic);
-      add(base, shares.x, color, surface);
-      add(base + ivec2(1, 0), shares.y, color, surface);
-      add(base + ivec2(0, 1), shares.z, color, surface);
-      add(base + ivec2(1, 1), shares.w, color, surface);
+      if (k < 32u) visible.x |= 1u << k;
+      else visible.y |= 1u << (k - 32u);
     }
+  while ((visible.x | visible.y) != 0u) {
+    bool low = visible.x != 0u;
+    uint bits = low ? visible.x : visible.y, grain = first + uint(findLSB(bits)) + (low ? 0u : 32u);
+    if (low) visible.x &= visible.x - 1u;
+    else visible.y &= visible.y - 1u;
+    SwarmRecord record = records[grain];
+    Seen seen = seenOf(record);
+#ifdef IDS
+    uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
+    if (pointKey(seen.front) == keys[at]) atomicMax(ids[at], idOf(grain));
+#endif
+    float radius_px = min(seen.radius * swarm.albedo.a / (seen.along / view.pixels_at_1m), kLargestPointPx);
+    vec2 corner = seen.pixel_px - 0.5;
+    ivec2 base = ivec2(floor(corner));
+    vec4 shares = pointShares(corner - vec2(base)) * (3.14159265 * radius_px * radius_px);
+    vec3 color = tintOf(record.look) * swarm.albedo.rgb;
+    vec2 surface = vec2(roughnessOf(record.look) * swarm.roughness, swarm.metallic);
+    add(base, shares.x, color, surface);
+    add(base + ivec2(1, 0), shares.y, color, surface);
+    add(base + ivec2(0, 1), shares.z, color, surface);
+    add(base + ivec2(1, 1), shares.w, color, surface);
+  }
 }
