@@ -1,9 +1,9 @@
 // Grains smaller than a pixel: splatted by compute, the foremost by depth, then all that are not hidden behind it
 // summed up, so that a far heap neither shimmers nor darkens; then one pass writes the G-buffer.
 //
-// Equations: shaders/shared/points.h (a ball's phase function; sums in whole numbers, so that the picture does
-// not depend on the order of the grains). In: what modules/lod routed to points. Out: the G-buffer.
-// Cost: two visits of each point, and 20 bytes a pixel; see README.md.
+// Equations: shaders/shared/points.h (sums in whole numbers, so that the picture does not depend on the order of
+// the grains), bed.h and bed_gloss.h (light). In: what modules/lod routed to points. Out: the G-buffer.
+// Cost: one test a run of 64, two visits of each point in runs that are not hidden, 24 bytes a pixel; see README.md.
 #pragma once
 
 namespace scree {
