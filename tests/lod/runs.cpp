@@ -54,7 +54,8 @@ uint32_t routeOf(const SwarmRecord& record, const rules::SwarmBlock& swarm, cons
   for (const vec4& plane : view.frustum_planes)
     if (glm::dot(dvec3(plane), center) + static_cast<double>(plane.w) < -radius) return rules::kNotDrawn;
   const double size = radius * static_cast<double>(view.pixels_at_1m) / glm::length(center);
-  return rules::representationOf(glm::length(center) > radius ? static_cast<float>(size) : rules::kLargestPx, before, swarm);
+  return rules::representationOf(glm::length(center) > radius ? static_cast<float>(size) : rules::kLargestPx,
+                                 rules::ownShare(record.look, record.size), before, swarm);
 }
 
 TEST(Runs, RoutesAreThoseOfEachGrain) {
