@@ -21,7 +21,7 @@ namespace scree::test {
 struct RoutedShape {
   std::string name;
   ImpostorAtlas atlas;
-  GrainShape shape;
+  GrainShape shape, bare;  // as it is, and without an impostor
   std::vector<impostors::UnitGrain> levels;
 };
 
@@ -51,6 +51,8 @@ inline std::vector<RoutedShape> routedShapes(World& world) {
     if (!atlas.ok() || !handle.ok()) return shapes;
     routed.atlas = std::move(atlas).value();
     routed.shape = world.singleton<const SwarmStore>().shape(*handle);
+    routed.bare = routed.shape;
+    routed.bare.impostor.clear();
     for (size_t k = 0; k < routed.shape.levels.size(); ++k)
       routed.levels.push_back(levelOf(world.singleton<const MeshStore>(), routed.shape, k));
     shapes.push_back(std::move(routed));
@@ -77,6 +79,7 @@ struct GrainView {
   uint32_t drawn_before = rules::kNotDrawn;
   uint32_t drawn_as = rules::kNotDrawn;
   float own = 0;
+  bool bare = false;
   double predicted_px = 0, measured_px = 0;
 };
 
@@ -99,6 +102,7 @@ inline GrainView randomGrainView(uint64_t number, size_t shapes) {
   view.view.up = up * std::cos(roll) - right * std::sin(roll);
   view.drawn_before = unit(7) < 0.5f ? rules::kNotDrawn : static_cast<uint32_t>(unit(8) * 8);
   view.own = unit(9);
+  view.bare = unit(10) < 0.3f;
   return view;
 }
 
@@ -125,10 +129,11 @@ inline std::vector<GrainView> expectBounded(const std::vector<RoutedShape>& shap
     for (size_t k = begin; k < end; ++k) {
       GrainView& view = views[k] = randomGrainView(first + k, shapes.size());
       const RoutedShape& routed = shapes[view.shape];
+      const GrainShape& shape = view.bare ? routed.bare : routed.shape;
       const LodSettings settings{.tolerance_px = k % 3 == 0 ? 0.25f : k % 3 == 1 ? 0.5f : 1.0f};
-      const rules::SwarmBlock block = routingBlock(thresholdsOf(routed.shape, settings, view.pixels_at_1m), settings.band);
+      const rules::SwarmBlock block = routingBlock(thresholdsOf(shape, settings, view.pixels_at_1m), settings.band);
       view.drawn_as = rules::representationOf(view.size_px, view.own, view.drawn_before, block);
-      view.predicted_px = outlineErrorPx(routed.shape, view.drawn_as, view.size_px, view.pixels_at_1m);
+      view.predicted_px = outlineErrorPx(shape, view.drawn_as, view.size_px, view.pixels_at_1m);
       view.measured_px = measuredPx(routed, view, kSamples);
       // A grain that keeps what it was drawn as may be off by a little more.
       if (view.drawn_before == rules::kNotDrawn) {

@@ -11,7 +11,7 @@ TEST(StressOutlines, PredictedErrorBoundsMeasuredError) {
   const std::vector<RoutedShape> shapes = routedShapes(world);
   ASSERT_EQ(shapes.size(), 3u);
   const std::vector<GrainView> views = expectBounded(shapes, 100'000, 10'000);
-  for (const uint32_t r : {rules::kPoint, rules::kSmallImpostor, rules::kImpostor, rules::kMesh})
+  for (const uint32_t r : {rules::kPoint, rules::kSmallImpostor, rules::kImpostor, rules::kMesh, rules::kMesh + 1, rules::kMesh + 2})
     EXPECT_GE(std::ranges::count(views, r, &GrainView::drawn_as), 100) << "too few to say anything of " << r;
 }
 

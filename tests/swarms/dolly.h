@@ -76,7 +76,7 @@ inline std::vector<DollyStep> dolly(BeanScene& scene, double from_px, double to_
 inline void expectNoPop(const std::vector<DollyStep>& steps, const std::string& name) {
   size_t switches = 0;
   DollyStep worst, worst_flip;
-  grains::test::LawPlot plot{.name = name, .title = "What switches change in a step of 1.5 %; law: what the step does",
+  grains::test::LawPlot plot{.name = name, .title = "Switches in a step of 1.5 %; law: the step",
                              .x = "outer radius of a bean, pixels", .y = "mean absolute difference of linear colour", .logarithmic = true};
   for (const DollyStep& s : steps) {
     switches += s.switches;
