@@ -41,19 +41,21 @@ SwarmGrain beanAt(vec3 place, float radius, uint64_t number) {
 
 }  // namespace
 
-Heap makeHeap(size_t about) {
+Heap makeHeap(size_t about, float swell) {
   Heap heap;
   const float volume = std::numbers::pi_v<float> / 3 * kHeapRadius * kHeapRadius * kHeapHeight;
   // Dense packing: a sphere in sqrt(32) r^3; every other place of a cubic lattice.
-  heap.bean_radius = std::cbrt(volume / (std::sqrt(32.0f) * static_cast<float>(about)));
-  const float step = std::sqrt(2.0f) * heap.bean_radius;
+  const float touching = std::cbrt(volume / (std::sqrt(32.0f) * static_cast<float>(about)));
+  heap.bean_radius = swell * touching;
+  const float step = std::sqrt(2.0f) * touching;
   const int across = static_cast<int>(kHeapRadius / step) + 1, up = static_cast<int>(kHeapHeight / step) + 1;
   uint64_t number = 0;
   for (int y = 0; y <= up; ++y)
     for (int z = -across; z <= across; ++z)
       for (int x = -across; x <= across; ++x) {
         if (((x + y + z) & 1) != 0) continue;
-        const SwarmGrain bean = beanAt(vec3(x, y, z) * step, heap.bean_radius, number++);
+        SwarmGrain bean = beanAt(vec3(x, y, z) * step, touching, number++);
+        bean.radius = heap.bean_radius;
         const vec3 p = bean.position;
         if (p.y < 0 || std::hypot(p.x, p.z) >= kHeapRadius * (1 - p.y / kHeapHeight)) continue;
         heap.beans.push_back(bean);
@@ -61,7 +63,12 @@ Heap makeHeap(size_t about) {
   return heap;
 }
 
-HeapScene::HeapScene(const Heap& beans, const std::filesystem::path& atlas, Kind kind) {
+HeapScene::HeapScene(const Heap& beans, const std::filesystem::path& atlas, Kind kind)
+    : HeapScene(beans, [&](World& made) {
+        return loadGrainShape(made, contentRoot() / "models/coffee_bean.glb", {}, atlas);
+      }, kind) {}
+
+HeapScene::HeapScene(const Heap& beans, const AddShape& addShape, Kind kind) {
   addScene(app);
   addDeferred(app);
   if (kind == Kind::Swarm) {
@@ -70,7 +77,7 @@ HeapScene::HeapScene(const Heap& beans, const std::filesystem::path& atlas, Kind
     addImpostors(app);
     addPoints(app);
   }
-  Result<uint32_t> loaded = loadGrainShape(world, contentRoot() / "models/coffee_bean.glb", {}, atlas);
+  Result<uint32_t> loaded = addShape(world);
   if (!loaded.ok()) fail(loaded.error());
   shape = *loaded;
   if (kind == Kind::Swarm) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "engine/app/app.h"
@@ -19,7 +20,8 @@ struct Heap {
   std::vector<SwarmGrain> beans;
   float bean_radius = 0;  // outer, m
 };
-Heap makeHeap(size_t about);
+// `swell`: outer radii / those at which the spheres around the grains would touch.
+Heap makeHeap(size_t about, float swell = 1);
 
 // The heap in an app of its own, with what draws swarms, or `bare`: with the shape alone.
 struct HeapScene {
@@ -32,6 +34,9 @@ struct HeapScene {
   enum class Kind { Swarm, Bare };
   // `atlas`: the file that keeps the bean's impostor.
   HeapScene(const Heap& beans, const std::filesystem::path& atlas, Kind kind = Kind::Swarm);
+  // Of other grains than beans. `addShape` makes their shape.
+  using AddShape = std::function<Result<uint32_t>(World&)>;
+  HeapScene(const Heap& grains, const AddShape& addShape, Kind kind = Kind::Swarm);
 
   const GrainShape& bean() const;
   // From straight above a point half way up the heap's side, which no bean is nearer than.

@@ -37,6 +37,14 @@ struct Row {
   nlohmann::ordered_json measured = nlohmann::ordered_json::object();
 };
 
+// A plot of what was measured over a knob, a line a label.
+struct Curve {
+  std::string knob;
+  std::string measured;   // a name in Row::measured, or "error"
+  std::string scenarios;  // of those whose names begin so
+  bool linear = false;    // the knob's axis; else logarithmic
+};
+
 // A promise, measured in this run; a ratio, so that it means the same on another machine.
 struct Claim {
   std::string name;
@@ -65,6 +73,8 @@ class Bench {
   // A knob that goes from scenario to scenario: time over it is plotted too.
   void sweeps(std::string knob) { swept_knob_ = std::move(knob); }
   const std::string& sweptKnob() const { return swept_knob_; }
+  void curve(Curve curve) { curves_.push_back(std::move(curve)); }
+  const std::vector<Curve>& curves() const { return curves_; }
   // A line on standard error.
   template <class... T>
   void progress(fmt::format_string<T...> format, T&&... args) const {
@@ -89,6 +99,7 @@ class Bench {
   nlohmann::ordered_json machine_;
   std::vector<Row> rows_;
   std::vector<Claim> claims_;
+  std::vector<Curve> curves_;
 };
 
 using Run = void (*)(Bench&);

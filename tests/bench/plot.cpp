@@ -1,4 +1,4 @@
-// SVG plots of time against error on logarithmic axes.
+// SVG plots: time against error, and what was measured over a knob.
 #include "tests/bench/plot.h"
 
 #include <fmt/format.h>
@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <optional>
 
 #include "engine/core/file.h"
 
@@ -42,12 +43,19 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-// Whole decades that enclose all positive values.
 struct Axis {
-  int low = 0, high = 1;  // powers of ten
-  double fraction(double value) const { return (std::log10(value) - low) / (high - low); }
+  double low = 0, high = 1;  // logarithmic: powers of ten
+  double step = 1;
+  bool logarithmic = true;
+  double fraction(double value) const { return ((logarithmic ? std::log10(value) : value) - low) / (high - low); }
+  std::vector<double> ticks() const {
+    std::vector<double> all;
+    for (double at = low; at < high + 0.5 * step; at += step) all.push_back(logarithmic ? std::pow(10.0, at) : at);
+    return all;
+  }
 };
 
+// Whole decades that enclose all positive values.
 Axis decades(const std::vector<double>& values) {
   double low = 0, high = 0;
   for (double v : values) {
@@ -56,9 +64,21 @@ Axis decades(const std::vector<double>& values) {
     high = std::max(high, v);
   }
   if (low == 0) return {-1, 1};
-  Axis axis{static_cast<int>(std::floor(std::log10(low))),
-            static_cast<int>(std::ceil(std::log10(high)))};
+  Axis axis{std::floor(std::log10(low)), std::ceil(std::log10(high))};
   if (axis.high <= axis.low) axis.high = axis.low + 1;
+  return axis;
+}
+
+// Four to ten steps of 1, 2 or 5 times a power of ten that enclose all values.
+Axis steps(const std::vector<double>& values) {
+  if (values.empty()) return {0, 1, 0.2, false};
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const double span = std::max(*high - *low, 1e-3 * std::max(std::abs(*high), 1e-3));
+  double step = std::pow(10.0, std::floor(std::log10(span / 4)));
+  for (const double factor : {2.0, 2.5, 2.0})
+    if (span / step > 9) step *= factor;
+  Axis axis{step * std::floor(*low / step + 1e-9), step * std::ceil(*high / step - 1e-9), step, false};
+  if (axis.high <= axis.low) axis.high = axis.low + step;
   return axis;
 }
 
@@ -68,7 +88,7 @@ std::string fileName(const std::string& text) {
   return out;
 }
 
-// An SVG in the making: two logarithmic axes with their grid, and what is drawn on them.
+// An SVG in the making: two axes with their grid, and what is drawn on them.
 struct Paper {
   Axis x_axis, y_axis;
   double axis_bottom;
@@ -96,15 +116,13 @@ struct Paper {
                        anchor, escaped(content));
   }
   void grid(const std::string& x_title, const std::string& y_title) {
-    for (int power = x_axis.low; power <= x_axis.high; ++power) {
-      const double at = x(std::pow(10.0, power));
-      line(at, kTop, at, kHeight - kBottom, "#ddd");
-      text(at, kHeight - kBottom + 18, "middle", fmt::format("{:g}", std::pow(10.0, power)));
+    for (const double value : x_axis.ticks()) {
+      line(x(value), kTop, x(value), kHeight - kBottom, "#ddd");
+      text(x(value), kHeight - kBottom + 18, "middle", fmt::format("{:.3g}", value));
     }
-    for (int power = y_axis.low; power <= y_axis.high; ++power) {
-      const double at = y(std::pow(10.0, power));
-      line(kLeft, at, kWidth - kRight, at, "#ddd");
-      text(kLeft - 8, at + 4, "end", fmt::format("{:g}", std::pow(10.0, power)));
+    for (const double value : y_axis.ticks()) {
+      line(kLeft, y(value), kWidth - kRight, y(value), "#ddd");
+      text(kLeft - 8, y(value) + 4, "end", fmt::format("{:.3g}", value));
     }
     line(kLeft, kTop, kLeft, kHeight - kBottom, "black");
     line(kLeft, kHeight - kBottom, kWidth - kRight, kHeight - kBottom, "black");
@@ -114,6 +132,57 @@ struct Paper {
         (kTop + kHeight - kBottom) / 2, escaped(y_title));
   }
 };
+
+struct Point {
+  const Row* row;
+  double x, y;
+};
+std::vector<double> valuesOf(const std::vector<Point>& points, double Point::* which) {
+  std::vector<double> values;
+  for (const Point& point : points) values.push_back(point.*which);
+  return values;
+}
+std::optional<double> numberOf(const nlohmann::ordered_json& values, const std::string& name) {
+  const auto at = values.find(name);
+  if (at == values.end() || !at->is_number() || !std::isfinite(at->get<double>())) return std::nullopt;
+  return at->get<double>();
+}
+
+struct Titled {
+  std::string title;
+  Axis axis;
+};
+// A line a label, through its points in their order, and a legend.
+std::string lineSvg(const std::string& title, const Titled& x, const Titled& y, const std::vector<Point>& points) {
+  static constexpr const char* kColours[] = {"#1f77b4", "#ff7f0e", "#2ca02c", "#9467bd", "#8c564b", "#e377c2"};
+  struct Line {
+    std::string label, points;
+    bool baseline = false;
+  };
+  Paper paper(title, x.axis, y.axis, kHeight - kBottom);
+  paper.grid(x.title, y.title);
+  std::vector<Line> lines;
+  std::string dots;
+  for (const Point& point : points) {
+    auto line = std::find_if(lines.begin(), lines.end(), [&](const Line& l) { return l.label == point.row->label; });
+    if (line == lines.end()) {
+      lines.push_back({.label = point.row->label, .points = "", .baseline = point.row->baseline});
+      line = std::prev(lines.end());
+    }
+    line->points += fmt::format("{:.1f},{:.1f} ", paper.x(point.x), paper.y(point.y));
+    dots += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/>\n", paper.x(point.x), paper.y(point.y));
+  }
+  for (size_t k = 0; k < lines.size(); ++k) {
+    const char* colour = lines[k].baseline ? "#d62728" : kColours[k % std::size(kColours)];
+    paper.svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n",
+                             lines[k].points, colour);
+    const double legend_y = kTop + 16 + 18 * static_cast<double>(k);
+    paper.svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"14\" height=\"4\" fill=\"{}\"/>\n",
+                             kWidth - 230, legend_y - 6, colour);
+    paper.text(kWidth - 208, legend_y, "start", lines[k].label + (lines[k].baseline ? " (baseline)" : ""));
+  }
+  return paper.svg + dots + "</svg>\n";
+}
 
 }  // namespace
 
@@ -164,41 +233,24 @@ std::string plotSvg(const std::string& title, const std::vector<Row>& rows) {
 }
 
 std::string sweepSvg(const std::string& title, const std::string& knob, const std::vector<Row>& rows) {
-  static constexpr const char* kColours[] = {"#1f77b4", "#ff7f0e", "#2ca02c", "#9467bd", "#8c564b", "#e377c2"};
-  struct Line {
-    std::string label, points;
-    bool baseline = false;
-  };
-  std::vector<const Row*> swept;
-  std::vector<double> values, times;
+  std::vector<Point> points;
   for (const Row& row : rows) {
-    const auto at = row.knobs.find(knob);
-    if (at == row.knobs.end() || !at->is_number() || !(at->get<double>() > 0) || !(row.time_ms > 0)) continue;
-    swept.push_back(&row);
-    values.push_back(at->get<double>());
-    times.push_back(row.time_ms);
+    const std::optional<double> at = numberOf(row.knobs, knob);
+    if (at && *at > 0 && row.time_ms > 0) points.push_back({&row, *at, row.time_ms});
   }
-  Paper paper(title, decades(values), decades(times), kHeight - kBottom);
-  paper.grid(knob, "time, ms");
-  std::vector<Line> lines;
-  for (size_t i = 0; i < swept.size(); ++i) {
-    auto line = std::find_if(lines.begin(), lines.end(), [&](const Line& l) { return l.label == swept[i]->label; });
-    if (line == lines.end()) {
-      lines.push_back({.label = swept[i]->label, .points = "", .baseline = swept[i]->baseline});
-      line = std::prev(lines.end());
-    }
-    line->points += fmt::format("{:.1f},{:.1f} ", paper.x(values[i]), paper.y(times[i]));
+  return lineSvg(title, {knob, decades(valuesOf(points, &Point::x))}, {"time, ms", decades(valuesOf(points, &Point::y))}, points);
+}
+
+std::string curveSvg(const std::string& title, const Curve& curve, const std::vector<Row>& rows) {
+  std::vector<Point> points;
+  for (const Row& row : rows) {
+    const std::optional<double> at = numberOf(row.knobs, curve.knob);
+    const std::optional<double> value = curve.measured == "error" ? row.error : numberOf(row.measured, curve.measured);
+    if (at && value && (curve.linear || *at > 0)) points.push_back({&row, *at, *value});
   }
-  for (size_t k = 0; k < lines.size(); ++k) {
-    const char* colour = lines[k].baseline ? "#d62728" : kColours[k % std::size(kColours)];
-    paper.svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n",
-                             lines[k].points, colour);
-    const double legend_y = kTop + 16 + 18 * static_cast<double>(k);
-    paper.svg += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"14\" height=\"4\" fill=\"{}\"/>\n",
-                             kWidth - 230, legend_y - 6, colour);
-    paper.text(kWidth - 208, legend_y, "start", lines[k].label + (lines[k].baseline ? " (baseline)" : ""));
-  }
-  return paper.svg + "</svg>\n";
+  const std::vector<double> knobs = valuesOf(points, &Point::x);
+  const std::string& what = curve.measured == "error" && !rows.empty() ? rows.front().error_kind : curve.measured;
+  return lineSvg(title, {curve.knob, curve.linear ? steps(knobs) : decades(knobs)}, {what, steps(valuesOf(points, &Point::y))}, points);
 }
 
 Result<std::vector<std::filesystem::path>> writePlots(const Bench& bench,
@@ -234,6 +286,16 @@ Result<std::vector<std::filesystem::path>> writePlots(const Bench& bench,
     const std::string title = fmt::format("{}: time over {}", bench.name(), bench.sweptKnob());
     if (Status written = writeFile(paths.back(), sweepSvg(title, bench.sweptKnob(), bench.rows())); !written.ok())
       return Error{written.error()};
+  }
+  for (const Curve& curve : bench.curves()) {
+    std::vector<Row> rows;
+    for (const Row& row : bench.rows())
+      if (row.scenario.starts_with(curve.scenarios)) rows.push_back(row);
+    const std::string name = fmt::format("{}_{}_over_{}{}{}", bench.name(), fileName(curve.measured), fileName(curve.knob),
+                                         curve.scenarios.empty() ? "" : "_", fileName(curve.scenarios));
+    paths.push_back(directory / (name + ".svg"));
+    const std::string title = fmt::format("{} {}: {} over {}", bench.name(), curve.scenarios, curve.measured, curve.knob);
+    if (Status written = writeFile(paths.back(), curveSvg(title, curve, rows)); !written.ok()) return Error{written.error()};
   }
   return paths;
 }

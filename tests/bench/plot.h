@@ -22,7 +22,11 @@ std::string plotSvg(const std::string& title, const std::vector<Row>& rows);
 // without that knob, or where it is not above 0, are left out.
 std::string sweepSvg(const std::string& title, const std::string& knob, const std::vector<Row>& rows);
 
-// DIR/<bench>_<scenario>.svg for every scenario, and DIR/<bench>_over_<knob>.svg if one is swept; makes DIR. Returns the paths.
+// SVG of a curve: what was measured upwards, linear. Rows without it, or the knob, are left out.
+std::string curveSvg(const std::string& title, const Curve& curve, const std::vector<Row>& rows);
+
+// DIR/<bench>_<scenario>.svg for every scenario, DIR/<bench>_over_<knob>.svg if one is swept, and
+// DIR/<bench>_<measured>_over_<knob>[_<scenarios>].svg for every curve; makes DIR. Returns the paths.
 Result<std::vector<std::filesystem::path>> writePlots(const Bench& bench,
                                                       const std::filesystem::path& directory);
 

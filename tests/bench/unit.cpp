@@ -302,5 +302,35 @@ TEST(Plot, SweepHasALineForEachLabelWithThePointsOfItsRows) {
   EXPECT_GT(lines[0][0], lines[0][1] + 50) << "more time is further up";
 }
 
+TEST(Plot, CurveIsOfWhatWasMeasuredOnLinearAxes) {
+  std::vector<Row> rows;
+  for (const double knob : {0.0, 0.5, 1.0}) {
+    rows.push_back(point(1, 0));
+    rows.back().label = "a";
+    rows.back().knobs = {{"share", knob}};
+    rows.back().measured = {{"found", 20 + 80 * knob}};
+  }
+  rows.push_back(rows.front());
+  rows.back().measured = {{"other", 1}};
+  const std::string svg = curveSvg("t", {.knob = "share", .measured = "found", .scenarios = "", .linear = true}, rows);
+  double x[3], y[3];
+  ASSERT_EQ(std::sscanf(svg.c_str() + svg.find("points=\""), "points=\"%lf,%lf %lf,%lf %lf,%lf", &x[0], &y[0], &x[1], &y[1], &x[2], &y[2]), 6);
+  EXPECT_NEAR(x[0], 90, 0.1);
+  EXPECT_NEAR(x[1], 480, 0.1);
+  EXPECT_NEAR(x[2], 870, 0.1);
+  EXPECT_NEAR(y[0], 490, 0.1);
+  EXPECT_NEAR(y[1], 270, 0.1);
+  EXPECT_NEAR(y[2], 50, 0.1);
+  EXPECT_NE(svg.find(">60<"), std::string::npos) << "the middle's tick";
+  // Nothing to show, one value, values that are no numbers.
+  rows.resize(1);
+  for (const double value : {0.0, 7.0, std::numeric_limits<double>::quiet_NaN()}) {
+    rows[0].measured = {{"found", value}};
+    const std::string one = curveSvg("t", {.knob = "share", .measured = "found", .scenarios = "", .linear = true}, rows);
+    EXPECT_EQ(one.find("nan"), std::string::npos) << value;
+    EXPECT_EQ(one.find("inf"), std::string::npos) << value;
+  }
+}
+
 }  // namespace
 }  // namespace scree::bench
