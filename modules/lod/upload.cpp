@@ -97,14 +97,16 @@ uint32_t possibleOf(const LodThresholds& t, size_t levels) {
   return possible;
 }
 
-// Whether most of what the last frame showed of a ball of grains shows in this one: the camera has neither gone
-// far, as seen from there, nor turned much.
-bool knowsWhatWasSeen(const SwarmsDrawn::State& state, const View& view, const vec3& center, float extent) {
-  if (!state.drew || state.world.singleton<const FrameInput>().frame > state.last_frame + 1) return false;
+// What the last frame tells of this one, for a ball of grains. Near: the camera has neither gone far, as seen from
+// there, nor turned much, so that most of what was seen is seen again.
+enum class Knows { Nothing, Near, Same };
+Knows knowsWhatWasSeen(const SwarmsDrawn::State& state, const View& view, const vec3& center, float extent) {
+  if (!state.drew || state.world.singleton<const FrameInput>().frame > state.last_frame + 1) return Knows::Nothing;
   const float away = std::max(glm::length(center) - extent, 0.1f * extent);
   const double moved = glm::length(view.position - state.last_camera);
   const float turned = 1 - std::abs(glm::dot(view.rotation, state.last_rotation));
-  return moved < 0.1 * static_cast<double>(away) && turned < 0.004f;
+  if (!(moved < 0.1 * static_cast<double>(away) && turned < 0.004f)) return Knows::Nothing;
+  return moved == 0 && view.rotation == state.last_rotation ? Knows::Same : Knows::Near;
 }
 
 void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view, const LodSettings& settings) {
@@ -121,8 +123,10 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.roughness = shape.roughness;
   block.metallic = shape.metallic;
   const vec3 middle = vec3(block.origin) + 0.5f * (stored.min + stored.max);
-  const bool knows = knowsWhatWasSeen(state, view, middle, 0.5f * glm::length(stored.max - stored.min));
-  block.candidate_cell = knows ? rules::kCandidateCellLater : rules::kCandidateCell;
+  const Knows knows = knowsWhatWasSeen(state, view, middle, 0.5f * glm::length(stored.max - stored.min));
+  block.candidate_cell = knows == Knows::Nothing ? rules::kCandidateCell
+                         : knows == Knows::Near  ? rules::kCandidateCellMoving
+                                                 : rules::kCandidateCellStill;
   const LodThresholds t = thresholdsOf(shape, settings, view.block.pixels_at_1m);
   block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
   block.point_px = t.point_px;

@@ -1,5 +1,6 @@
 // How each grain is drawn: what lies outside of the view is not, the rest by its size. All but points
-// leave the mark of the nearest of them in the map of occluder candidates.
+// leave the mark of the nearest of them in the map of occluder candidates; if the last frame tells of this one, only
+// those that it neither showed nor hid.
 #define SWARM_ROUTES
 #include "lib/swarm.glsl"
 #include "shared/candidate.h"
@@ -9,8 +10,9 @@ layout(local_size_x = 64) in;
 
 layout(std430, binding = kSwarmRunsBinding) readonly buffer Runs { SwarmRun runs[]; };
 layout(std430, binding = kCandidateMapBinding) buffer CandidateMap { uint nearest[]; };
+layout(std430, binding = kSwarmSeenBinding) readonly buffer Seen { uint seen[]; };
 
-uint representationNow(SwarmRecord grain, uint before) {
+uint representationNow(SwarmRecord grain, uint before, bool may_be_candidate) {
   vec3 center = centerOf(grain);
   float radius = radiusOf(grain);
   for (int k = 0; k < 5; ++k)
@@ -18,7 +20,7 @@ uint representationNow(SwarmRecord grain, uint before) {
   float distance = length(center);
   float size_px = sizePx(radius, distance, view.pixels_at_1m);
   uint now = representationOf(size_px, ownShare(grain.look, grain.size), before, swarm);
-  if (now > kPoint) {
+  if (now > kPoint && may_be_candidate) {
     uint cell = candidateCell(pixelOf(view, center), size_px, swarm.candidate_cell, ivec2(view.size_px));
     uint key = candidateKey(distance);
     if (nearest[cell] < key) atomicMax(nearest[cell], key);
@@ -39,8 +41,11 @@ void main() {
     }
   for (; word < end_word; ++word) {
     uint before = representations[word], now = 0u;
-    for (uint shift = 0u; shift < 32u && grain < end; shift += 4u, ++grain)
-      now |= representationNow(records[grain], before >> shift & 15u) << shift;
+    for (uint shift = 0u; shift < 32u && grain < end; shift += 4u, ++grain) {
+      uint was = before >> shift & 15u;
+      bool told = was == kHidden || (seen[grain / 32u] >> (grain & 31u) & 1u) != 0u;
+      now |= representationNow(records[grain], was, swarm.candidate_cell == kCandidateCell || !told) << shift;
+    }
     representations[word] = now;
   }
 }

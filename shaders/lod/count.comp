@@ -52,14 +52,14 @@ void main() {
 #ifdef LATE
       bool disc = r < kMesh;
       float reach_px = disc ? kReachCenters : kReachTouched;
-      if (swarm.cull != 0u && occluded(sphereBounds(eye, center, radius, reach_px, disc))) r = kNotDrawn;
+      if (swarm.cull != 0u && occluded(sphereBounds(eye, center, radius, reach_px, disc))) r = kHidden;
 #else
       uint in_run = grain + k - run * kRunGrains;
       bool known = ((in_run < 32u ? was_seen.x : was_seen.y) >> (in_run & 31u) & 1u) != 0u;
       if (known || isCandidate(center, radius)) r += kFirst;
 #endif
       now ^= ((before >> 4u * k & 15u) ^ r) << 4u * k;
-      if (r != kNotDrawn) count[r >> 2u] += 1u << 8u * (r & 3u);
+      if (r != kNotDrawn && r != kHidden) count[r >> 2u] += 1u << 8u * (r & 3u);
     }
     if (now != before) representations[word] = now;
   }

@@ -2,8 +2,9 @@
 //
 // It has several resolutions; a grain is entered in that whose cells are about so many of its sizes as wanted.
 // The nearest in a cell is a candidate (Michel and Boubekeur 2020, section 8: points of 0.15 to 0.2 inner radii).
-// What was seen in the last frame is a better guess, where there was one: then cells may be large, for what has
-// come into view since.
+// What was seen in the last frame is a better guess, where there was one. Then candidates are those that it neither
+// showed nor hid: right behind what it showed, they close the holes that open as the camera moves. Through a hole of
+// one pixel a whole column of grains is drawn, so these are worth more than they cost.
 #pragma once
 #include "shared/prelude.h"
 #include "shared/view.h"
@@ -11,7 +12,8 @@ RULES_BEGIN
 
 // In sizes of a grain; measured, see modules/lod/README.md.
 const float kCandidateCell = 1.0f;       // if nothing is known
-const float kCandidateCellLater = 4.0f;  // after a frame
+const float kCandidateCellMoving = 2.2f;  // after a frame from nearby
+const float kCandidateCellStill = 4.0f;   // after one from the same place
 const uint kCandidateLevels = 7u;  // cells of 1 to 64 px
 RULE uint candidateLevel(float size_px, float cell_sizes) {
   uint level = 0u;

@@ -26,6 +26,7 @@ const uint kImpostor = 3u;
 const uint kMesh = 4u;  // level 0; the coarser ones follow
 const uint kMeshLevels = 4u;
 const uint kFirst = 8u;  // added to these: drawn first
+const uint kHidden = 8u;  // in the view, but the depth pyramid hides it
 const uint kRepresentations = 16u;
 const uint kCountWords = 4u;  // of a run's counts, a byte a representation
 // Impostors above this size show three views, however good the nearest alone may be.

@@ -53,6 +53,7 @@ struct BeanViews : SwarmScene {
     const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.chunk->representations, (part.count + 7) / 8);
     std::vector<uint32_t> all(part.count);
     for (uint32_t k = 0; k < part.count; ++k) all[k] = words[k / 8] >> 4 * (k % 8) & 15;
+    std::replace(all.begin(), all.end(), rules::kHidden, rules::kNotDrawn);
     return all;
   }
   // Whether the outer sphere reaches into the view, by more than rounding; in double precision.

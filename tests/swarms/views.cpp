@@ -53,6 +53,7 @@ struct ViewScene : SwarmScene {
     const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.chunk->representations, (part.count + 7) / 8);
     std::vector<uint32_t> all(part.count);
     for (uint32_t k = 0; k < part.count; ++k) all[k] = words[k / 8] >> 4 * (k % 8) & 15;
+    std::replace(all.begin(), all.end(), rules::kHidden, rules::kNotDrawn);
     return all;
   }
   // Which grain each pixel shows, + 1.
@@ -96,7 +97,7 @@ TEST_F(SwarmViews, EachRepresentationHasItsColor) {
     grains.push_back(grain);
   };
   // Points cover a pixel together.
-  for (int k = 0; k < 64; ++k) add(-370.0f + static_cast<float>(k % 8), static_cast<float>(k / 8), 0.6f);
+  for (int k = 0; k < 64; ++k) add(-370.0f + 0.45f * static_cast<float>(k % 8), 0.45f * static_cast<float>(k / 8), 0.3f);
   float x = -355;
   for (const float radius_px : {2.5f, 12.0f, 30.0f, 50.0f, 80.0f, 130.0f}) {
     add(x + radius_px, 0, radius_px);
@@ -125,9 +126,11 @@ TEST_F(SwarmViews, EachRepresentationHasItsColor) {
         near = near || off < 1.15f * radius_px + 2;  // spheres beside the middle look longer
         // Points: inside of their block.
         const bool is_point = radius_px < 1;
-        if (is_point ? off > 0.75f || k % 8 == 0 || k % 8 == 7 || k < 8 || k >= 56 : off > 0.85f * radius_px) continue;
+        if (is_point ? off > 0.4f || k % 8 < 2 || k % 8 > 5 || k < 16 || k >= 48 : off > 0.85f * radius_px) continue;
+        const rules::SwarmRecord record = packed(grains[k], block.origin.w);
         const uint32_t expected =
-            rules::representationOf(rules::sizePx(grains[k].radius, glm::length(center), view.pixels_at_1m), 0, block);
+            rules::representationOf(rules::sizePx(grains[k].radius, glm::length(center), view.pixels_at_1m),
+                                    rules::ownShare(record.look, record.size), 0, block);
         representations.insert(expected);
         ++(isShadeOf(at, rules::representationColor(expected)) ? right : wrong)[k];
       }
