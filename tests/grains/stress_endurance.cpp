@@ -77,6 +77,9 @@ TEST(Endurance, StirredHeapStaysWhole) {
   EXPECT_GT(most_asleep, radii.size() / 2);
   EXPECT_GT(woken, 1000u);
 
+  for (int k = 0; k < 10; ++k)
+    std::printf("%.4f ", scatterOf(std::span(energy).subspan(static_cast<size_t>(20 * k), 20)).mean);
+  std::printf("J: mean kinetic energy by tenths\n");
   const Scatter e1 = scatterOf(std::span(energy).subspan(20, 20)), e9 = scatterOf(std::span(energy).last(20));
   const Scatter o1 = scatterOf(std::span(overlap).subspan(20, 20)), o9 = scatterOf(std::span(overlap).last(20));
   std::printf("stirred, second tenth and last: kinetic energy %.4f +- %.4f and %.4f +- %.4f J (most %.1f); deepest "
@@ -89,10 +92,14 @@ TEST(Endurance, StirredHeapStaysWhole) {
   EXPECT_LT(o_margin, 0.1 * o1.mean);
   EXPECT_LT(e9.mean, e1.mean + e_margin);
   EXPECT_LT(o9.mean, o1.mean + o_margin);
+  // The blade never yields, and jams grains in the bin's corners; but no centre gets inside another grain.
+  EXPECT_LT(deepest, 1);
 }
 
+// Overlap is undone by a share a pass, which spreads like heat: 50,000 that have room on all sides take some
+// 8 s, and between walls, where each layer must lift those above, minutes.
 TEST(Endurance, CrowdSeparatesWithoutExplosion) {
-  Field field;
+  RestingField field;
   constexpr float kRadius = 0.05f;
   constexpr uint64_t kCount = 50000;
   const float side = std::cbrt(10000.0f) * 2 * kRadius;
@@ -101,7 +108,7 @@ TEST(Endurance, CrowdSeparatesWithoutExplosion) {
     field.add((unitCube(51, k) - vec3(0.5f, 0, 0.5f)) * side + vec3(0, kRadius, 0), kRadius,
               {1000, 0.5f, 0.02f, 0});
   double fastest = 0;
-  for (int tick = 0; tick < 90; ++tick) {
+  for (int tick = 0; tick < 600; ++tick) {
     field.step();
     ASSERT_TRUE(field.finite()) << "tick " << tick;
     for (const GrainVelocity& v : field.velocity)
@@ -113,6 +120,9 @@ TEST(Endurance, CrowdSeparatesWithoutExplosion) {
   const double height = 5 * static_cast<double>(side);
   EXPECT_LT(fastest, std::sqrt(2 * 9.81 * height));
   EXPECT_LT(highest, height);
+  const double overlap = field.deepestOverlap();
+  std::printf("crowd: fastest %.2f m/s, deepest overlap %.4f radii after 10 s\n", fastest, overlap);
+  EXPECT_LT(overlap, 0.05);
 }
 
 }  // namespace
