@@ -56,6 +56,15 @@ struct BeanViews : SwarmScene {
     std::replace(all.begin(), all.end(), rules::kHidden, rules::kNotDrawn);
     return all;
   }
+  // The grains as they are stored: in an order of their own, radii rounded.
+  void takeStored() {
+    const SwarmStore::Stored& stored = world.singleton<const SwarmStore>().swarm(0);
+    for (size_t k = 0; k < grains.size(); ++k) {
+      const rules::SwarmRecord& record = stored.chunks[0][k];
+      grains[k].position = vec3(record.x, record.y, record.z);
+      grains[k].radius = rules::radiusOf(record.size, stored.largest_radius);
+    }
+  }
   // Whether the outer sphere reaches into the view, by more than rounding; in double precision.
   bool isInView(const SwarmGrain& grain) {
     const Transform& eye = *world.peek<Transform>(camera);
@@ -158,6 +167,7 @@ TEST_F(ImpostorsStress, NoBeanIsHiddenFalselyInThousandsOfViews) {
       scene.grains = cloud(1500, 0.7f * extent, least, least * spread, random.drawn);
       if (cloud_number == 0) scene.show(bean, scene.grains);
       else scene.world.singleton<SwarmStore>().replace(0, scene.grains);
+      scene.takeStored();
       // As impostors, by size, and as meshes. Without hysteresis, or the picture depends on what was culled before.
       scene.settings().only = cloud_number % 4 != 3 ? rules::kImpostor : cloud_number == 7 ? rules::kMesh + 1 : rules::kNotDrawn;
       scene.settings().band = 0;

@@ -41,7 +41,8 @@ struct ViewScene : SwarmScene {
       const float error = k == 0 ? 0 : LodSettings{}.tolerance_px / kLevels[k - 1];
       shape.levels.push_back({world.singleton<MeshStore>().add("ball", std::span(&level, 1)), error});
     }
-    shape.impostor = {{2, 0.1f, 1}, {kImpostorTo, 0.1f, 1}};
+    shape.impostor = {{.size_px = rules::kSmallPx, .outline = 0.01f, .small_outline = 0.1f},
+                      {.size_px = kImpostorTo, .outline = 0.02f, .small_outline = 1}};
     const uint32_t handle = world.singleton<SwarmStore>().addShape(std::move(shape));
     world.singleton<ImpostorStore>().set(handle, std::move(atlas).value());
     return handle;
