@@ -132,7 +132,7 @@ Culled fly(HeapScene& culled, HeapScene& all, double distance) {
   return sum;
 }
 
-// Worst share at r / R of 0.8 or more.
+// Worst share at r / R of 0.8 or more; a grid of triangles makes 0.79 of an ellipsoid of 0.8.
 double byRatio(Bench& bench, double& missing_pixels) {
   double least = 1;
   for (const StackGrain& grain : stackGrains(bench.quick())) {
@@ -160,7 +160,7 @@ double byRatio(Bench& bench, double& missing_pixels) {
     for (const double distance : {0.3, 1.2}) {
       const Culled found = fly(culled, all, distance);
       missing_pixels += found.missing;
-      if (ratio >= 0.795) least = std::min(least, found.share);
+      if (ratio >= 0.785) least = std::min(least, found.share);
       bench.row({.scenario = fmt::format("stack {} m {} {}", distance, grain.label, ratio),
                  .label = grain.label,
                  .knobs = {{kRatio, ratio}, {"distance_m", distance}, {"nearest_px", beanPx(heap, distance, culled.size.y)}},
