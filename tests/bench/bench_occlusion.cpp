@@ -71,6 +71,7 @@ double missing(const Shown& truth, const Shown& shown, const Drawn& drawn) {
 constexpr double kFilled = 0.58;
 constexpr const char* kRatio = "r / R";
 constexpr const char* kHiddenCulled = "hidden that are culled, %";
+constexpr const char* kStillCulled = "hidden that are culled once the camera stands, %";
 
 struct StackGrain {
   std::string label;
@@ -90,7 +91,7 @@ std::vector<StackGrain> stackGrains(bool quick) {
 
 struct Culled {
   double in_view = 0, shown = 0, drawn = 0;  // mean over frames, grains
-  double share = 0;                          // of the hidden
+  double share = 0, still_share = 0;         // of the hidden: in flight, and once the camera stands
   double ms = 0, all_ms = 0;
   double missing = 0;  // pixels
   uint64_t hash = 0;
@@ -102,7 +103,9 @@ double msOf(HeapScene& scene) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// A slow flight past the heap, in which each frame knows what the last one showed.
+double shareOf(double in_view, double drawn, double shown) { return (in_view - drawn) / (in_view - shown); }
+
+// A slow flight past the heap, in which each frame knows what the last one showed; then the camera stands.
 Culled fly(HeapScene& culled, HeapScene& all, double distance) {
   constexpr int kFrames = 7, kFirst = 3;
   Culled sum;
@@ -125,16 +128,21 @@ Culled fly(HeapScene& culled, HeapScene& all, double distance) {
     sum.missing += missing(truth, shown, drawn);
     sum.hash = shown.hash;
   }
-  sum.share = (sum.in_view - sum.drawn) / (sum.in_view - sum.shown);
+  sum.share = shareOf(sum.in_view, sum.drawn, sum.shown);
+  for (int frame = 0; frame < 2; ++frame) culled.render();
+  sum.still_share = shareOf(drawnBy(all).count, drawnBy(culled).count, shownBy(all).grains);
   for (double* count : {&sum.in_view, &sum.drawn, &sum.shown}) *count /= kFrames - kFirst;
   sum.ms = spread(ms).median;
   sum.all_ms = spread(all_ms).median;
   return sum;
 }
 
-// Worst share at r / R of 0.8 or more; a grid of triangles makes 0.79 of an ellipsoid of 0.8.
-double byRatio(Bench& bench, double& missing_pixels) {
-  double least = 1;
+// Worst shares at r / R of 0.8 or more; a grid of triangles makes 0.79 of an ellipsoid of 0.8.
+struct Least {
+  double moving = 1, still = 1;
+};
+Least byRatio(Bench& bench, double& missing_pixels) {
+  Least least;
   for (const StackGrain& grain : stackGrains(bench.quick())) {
     Result<ImpostorAtlas> atlas = bake(grain.mesh, {.edge = 5, .texels = 32, .directions = 0});
     if (!atlas.ok()) fail(atlas.error());
@@ -160,7 +168,7 @@ double byRatio(Bench& bench, double& missing_pixels) {
     for (const double distance : {0.3, 1.2}) {
       const Culled found = fly(culled, all, distance);
       missing_pixels += found.missing;
-      if (ratio >= 0.785) least = std::min(least, found.share);
+      if (ratio >= 0.785) least = {std::min(least.moving, found.share), std::min(least.still, found.still_share)};
       bench.row({.scenario = fmt::format("stack {} m {} {}", distance, grain.label, ratio),
                  .label = grain.label,
                  .knobs = {{kRatio, ratio}, {"distance_m", distance}, {"nearest_px", beanPx(heap, distance, culled.size.y)}},
@@ -168,7 +176,7 @@ double byRatio(Bench& bench, double& missing_pixels) {
                  .error = 1 - found.share,
                  .error_kind = "share of the impostors that no pixel shows that was drawn",
                  .hash = found.hash,
-                 .measured = {{kHiddenCulled, 100 * found.share}, {"in view", found.in_view}, {"drawn", found.drawn}, {"shown", found.shown}, {"all ms", found.all_ms}}});
+                 .measured = {{kHiddenCulled, 100 * found.share}, {kStillCulled, 100 * found.still_share}, {"in view", found.in_view}, {"drawn", found.drawn}, {"shown", found.shown}, {"all ms", found.all_ms}}});
     }
   }
   return least;
@@ -216,11 +224,12 @@ SCREE_BENCH(occlusion, "a heap of beans as impostors: the share of the hidden on
                  .baseline = !cull,
                  .measured = {{"in view", in_view}, {"drawn", cull ? drawn : in_view}, {"shown", truth.grains}}});
   }
-  const double dense = byRatio(bench, missing_pixels);
+  const Least dense = byRatio(bench, missing_pixels);
   for (const char* scenarios : {"stack 0.3 m", "stack 1.2 m"})
     bench.curve({.knob = kRatio, .measured = kHiddenCulled, .scenarios = scenarios, .linear = true});
   bench.claimAtLeast("hidden impostors that are culled, worst distance", least, 0.7);
-  bench.claimAtLeast("hidden impostors that are culled in stacks with r / R >= 0.8, worst", dense, 0.9);
+  bench.claimAtLeast("hidden impostors that are culled in stacks with r / R >= 0.8, camera stands, worst", dense.still, 0.9);
+  bench.claimAtLeast("hidden impostors that are culled in stacks with r / R >= 0.8, camera moves, worst", dense.moving, 0.9);
   bench.claimAtMost("pixels whose grain is not drawn with culling", missing_pixels, 0);
 }
 
