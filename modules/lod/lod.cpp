@@ -18,10 +18,10 @@ void SwarmsDrawn::bind(size_t index) const {
   part.late.bindUniform(rules::kPassBinding);
   part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
   part.chunk->runs.bindStorage(rules::kSwarmRunsBinding);
-  part.chunk->representations.bindStorage(rules::kSwarmRepresentationsBinding);
-  part.chunk->seen.bindStorage(rules::kSwarmSeenBinding);
-  part.chunk->list.bindStorage(rules::kSwarmListBinding);
-  part.chunk->commands.bindStorage(rules::kSwarmCommandsBinding);
+  part.routes->representations.bindStorage(rules::kSwarmRepresentationsBinding);
+  part.routes->seen.bindStorage(rules::kSwarmSeenBinding);
+  part.routes->list.bindStorage(rules::kSwarmListBinding);
+  part.routes->commands.bindStorage(rules::kSwarmCommandsBinding);
 }
 
 void addLod(App& app) {

@@ -69,9 +69,13 @@ struct SwarmGrain {
   quat rotation{1, 0, 0, 0};
   vec3 tint{1};              // of the shape's colour, linear, [0, 1]
   float roughness = 1;       // factor of the shape's, [0, 1]
-  uint16_t seed = 0;  // a number of its own; with the tint and the radius, it says at which size it becomes a point
+  uint16_t seed = 0;  // a number of its own; with the tint, it says at which size it becomes a point
 };
 rules::SwarmRecord packed(const SwarmGrain& grain, float largest_radius);
+
+// What a grain may measure; others are left out. Radii are kept as shares of the swarm's largest, in steps of 1/65,535.
+inline constexpr float kMostSwarmExtent = 1e9f;  // a coordinate, from the swarm's origin, m
+inline constexpr float kMostSwarmRadius = 1e4f;  // m
 
 // Grains of a swarm that lie in one buffer.
 inline constexpr uint32_t kSwarmChunk = 1u << 22;  // 96 MiB: below the least storage block of GL, 128 MiB
@@ -85,14 +89,14 @@ class SwarmStore {
   const GrainShape& shape(uint32_t handle) const;
   size_t shapeCount() const { return shapes_.size(); }
 
-  // Grains that are not finite, or have a radius that is not, or not above 0, are left out, and counted. They are
+  // Grains that are not allowed (above) are left out, and counted. They are
   // stored in an order in which neighbours are near each other: runs of them are then hidden, or far, as a whole.
   uint32_t add(std::string name, uint32_t shape, std::span<const SwarmGrain> grains);
   // The same for many: `fill` writes records [first, first + records.size()), whose radii are shares of
   // largest_radius (m, above 0), in several calls. Stored as they come: in an order as above they draw much faster.
   using Fill = std::function<void(uint64_t first, std::span<rules::SwarmRecord> records)>;
   uint32_t add(std::string name, uint32_t shape, uint64_t count, float largest_radius, const Fill& fill);
-  // New grains in place of the old; as many or not.
+  // New grains in place of the old; as many or not. None: the swarm's memory is given back.
   void replace(uint32_t swarm, std::span<const SwarmGrain> grains);
 
   struct Stored {

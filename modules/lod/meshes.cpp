@@ -61,7 +61,7 @@ void draw(SwarmsDrawn::State& state, MeshPrograms& programs, const Frame& frame,
     const GrainShape& shape = store.shape(part.shape);
     part.early.bindUniform(rules::kPassBinding);
     part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
-    programs.array.vertexBuffer(kGrainSlot, part.chunk->list, sizeof(uint32_t), 0, 1);
+    programs.array.vertexBuffer(kGrainSlot, part.routes->list, sizeof(uint32_t), 0, 1);
     const std::vector<MeshPart>& mesh_parts = meshes.mesh(shape.levels.front().mesh).parts;
     for (size_t k = 0; k < mesh_parts.size(); ++k) {
       const MaterialData& material = materials.material(mesh_parts[k].material);
@@ -69,7 +69,7 @@ void draw(SwarmsDrawn::State& state, MeshPrograms& programs, const Frame& frame,
       program.set(kRoughnessMetallic, vec2(material.roughness, material.metallic));
       materials.bind(mesh_parts[k].material);
       constexpr size_t kCommand = sizeof(rules::DrawElementsCommand);
-      gpu::drawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, part.chunk->commands,
+      gpu::drawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, part.routes->commands,
                                 offsetof(rules::SwarmCommands, meshes) +
                                     rules::meshCommand(rules::kMesh + first, static_cast<uint32_t>(k)) * kCommand,
                                 static_cast<int>(shape.levels.size()), static_cast<int>(rules::kMeshParts * kCommand));

@@ -23,17 +23,17 @@ void bindPart(const Part& part, const gpu::StreamSlice& block) {
   block.bindUniform(rules::kPassBinding);
   part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
   part.chunk->runs.bindStorage(rules::kSwarmRunsBinding);
-  part.chunk->representations.bindStorage(rules::kSwarmRepresentationsBinding);
-  part.chunk->seen.bindStorage(rules::kSwarmSeenBinding);
-  part.chunk->counts.bindStorage(rules::kSwarmCountsBinding);
-  part.chunk->prefix.bindStorage(rules::kSwarmPrefixBinding);
-  part.chunk->list.bindStorage(rules::kSwarmListBinding);
-  part.chunk->commands.bindStorage(rules::kSwarmCommandsBinding);
+  part.routes->representations.bindStorage(rules::kSwarmRepresentationsBinding);
+  part.routes->seen.bindStorage(rules::kSwarmSeenBinding);
+  part.routes->counts.bindStorage(rules::kSwarmCountsBinding);
+  part.routes->prefix.bindStorage(rules::kSwarmPrefixBinding);
+  part.routes->list.bindStorage(rules::kSwarmListBinding);
+  part.routes->commands.bindStorage(rules::kSwarmCommandsBinding);
 }
 
 enum class Lists { First, Late };
 
-void dispatch(const Part& part, size_t groups) { gpu::dispatchIndirect(part.chunk->commands, groups); }
+void dispatch(const Part& part, size_t groups) { gpu::dispatchIndirect(part.routes->commands, groups); }
 
 // Counts, prefix sums, commands, lists. A frame whose first counts find nothing to list, or leave no rest, makes no
 // lists of that.
@@ -75,9 +75,10 @@ PassDesc classifyPass(const SharedState& state) {
           .stage = Stage::Route,
           .needs_text = "a swarm",
           .needs = [state] { return !state->parts.empty(); },
-          .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}},
+          .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}, {kSeen, Access::StorageRead}},
           .run = [state, classify](PassContext&) {
             if (state->frozen || !classify->use()) return;
+            gpu::barrier(GL_BUFFER_UPDATE_BARRIER_BIT);  // the last frame's programs wrote it
             state->candidates.fill(0);
             state->candidates.bindStorage(rules::kCandidateMapBinding);
             for (const Part& part : state->parts) {
@@ -95,7 +96,9 @@ PassDesc listPass(const SharedState& state) {
           .needs_text = "a swarm",
           .needs = [state] { return !state->parts.empty(); },
           .needs_content = {std::string(kSwarmRoutes)},
-          .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}, {std::string(kSwarmLists), Access::StorageWrite}},
+          .uses = {{std::string(kSwarmRoutes), Access::StorageWrite},
+                   {std::string(kSwarmLists), Access::StorageWrite},
+                   {kSeen, Access::StorageWrite}},
           .run = [state, programs](PassContext&) {
             if (state->frozen) return;
             state->candidates.bindStorage(rules::kCandidateMapBinding);

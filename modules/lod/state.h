@@ -16,21 +16,37 @@ namespace scree::lod {
 
 // The grains of one buffer, on the GPU.
 struct Chunk {
-  gpu::Buffer records, runs, representations, seen, counts, prefix, list, commands;
+  gpu::Buffer records, runs;
   uint32_t count = 0;
   vec3 drift{0};  // m; from the first half of the grains to the second, between their middles
 };
 
-// A swarm on the GPU.
+// How the grains of a chunk are drawn, where one entity has them.
+struct Routes {
+  gpu::Buffer representations, seen, counts, prefix, list, commands;
+  uint32_t count = 0;  // grains
+};
+
+// A swarm on the GPU; what is not drawn in a frame is given back.
 struct Resident {
-  uint32_t swarm = 0;
   uint64_t version = 0;
+  bool drawn = false;
   std::vector<Chunk> chunks;
+};
+
+// An entity's swarm.
+struct Placement {
+  Entity entity;
+  uint32_t swarm = 0;
+  bool drawn = false, drew = false;  // in this frame; in the last
+  dvec3 origin{0};
+  std::vector<Routes> routes;  // by chunk
 };
 
 // A chunk that is drawn in this frame.
 struct Part : SwarmPart {
   const Chunk* chunk = nullptr;
+  const Routes* routes = nullptr;
   gpu::StreamSlice early, late;  // SwarmBlock, of the lists that are made before and after the depth pyramid
   LodThresholds thresholds;
   bool casts = false;  // shadows
@@ -55,7 +71,8 @@ struct SwarmsDrawn::State {
   World& world;
   Query<const Swarm, const Transform> swarms;
   std::vector<rules::SwarmRun> runs_scratch;
-  std::vector<lod::Resident> resident;  // by swarm, as far as it was drawn
+  std::vector<lod::Resident> resident;  // by swarm
+  std::vector<lod::Placement> placements;
   std::vector<lod::Part> parts;         // of this frame
   uint64_t grain_count = 0;
   bool casts = false;  // some part
@@ -66,7 +83,7 @@ struct SwarmsDrawn::State {
   gpu::Buffer candidates;
   bool routed = false;  // the lists on the GPU are those of a frame
   bool frozen = false;  // and are not made anew: SwarmView::Frozen
-  bool drew = false;  // in the last frame, from here:
+  // Of the last frame.
   dvec3 last_camera{0};
   quat last_rotation{1, 0, 0, 0};
   uint64_t last_frame = 0;
@@ -82,8 +99,9 @@ using SharedState = std::shared_ptr<SwarmsDrawn::State>;
 inline constexpr const char* kSeen = "lod.seen";
 
 // What the grains of each run have in common.
-vec3 driftOf(std::span<const rules::SwarmRun> runs);
 void boundRuns(std::span<const rules::SwarmRecord> records, float largest_radius, std::vector<rules::SwarmRun>& runs);
+// From the middles of the first half of the runs to those of the second, m.
+vec3 driftOf(std::span<const rules::SwarmRun> runs);
 
 SystemDesc uploadSystem(const SharedState& state);
 PassDesc classifyPass(const SharedState& state);

@@ -12,11 +12,22 @@
 namespace scree {
 namespace {
 
+bool allowedPlace(float x, float y, float z) {
+  const auto near = [](float v) { return std::abs(v) <= kMostSwarmExtent; };
+  return near(x) && near(y) && near(z);
+}
+
 bool allowed(const SwarmGrain& grain) {
   const quat& q = grain.rotation;
-  const float numbers[] = {grain.position.x, grain.position.y, grain.position.z, q.x, q.y, q.z, q.w};
-  return std::all_of(std::begin(numbers), std::end(numbers), [](float v) { return std::isfinite(v); }) &&
-         std::isfinite(grain.radius) && grain.radius > 0;
+  return allowedPlace(grain.position.x, grain.position.y, grain.position.z) && std::isfinite(q.x + q.y + q.z + q.w) &&
+         grain.radius > 0 && grain.radius <= kMostSwarmRadius;
+}
+
+void warnOfRefused(const SwarmStore::Stored& stored, uint64_t given) {
+  if (stored.refused == 0) return;
+  logWarning("SwarmStore: swarm \"{}\": {} of {} grains left out: positions must be within {:g} m of the swarm's origin, rotations finite, "
+             "radii above 0, at most {:g} m and at least 1/{} of the largest",
+             stored.name, stored.refused, given, kMostSwarmExtent, kMostSwarmRadius, rules::kRadiusSteps);
 }
 
 // Grains that moved keep their rows, as long as they are as many: what each was drawn as goes with it.
@@ -36,7 +47,7 @@ void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
   sortInSpace(stored, grains);
   for (const uint32_t given : stored.order) {
     const SwarmGrain& grain = grains[given];
-    if (!allowed(grain)) {
+    if (!allowed(grain) || rules::radiusOf(packed(grain, stored.largest_radius).size, 1) == 0) {
       ++stored.refused;
       continue;
     }
@@ -48,10 +59,7 @@ void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
     ++stored.count;
   }
   stored.chunks.resize((stored.count + kSwarmChunk - 1) / kSwarmChunk);
-  if (stored.refused > 0)
-    logWarning("SwarmStore: swarm \"{}\": {} of {} grains left out: position, rotation and radius must be finite, "
-               "the radius above 0",
-               stored.name, stored.refused, grains.size());
+  warnOfRefused(stored, grains.size());
   ++stored.version;
 }
 
@@ -98,8 +106,9 @@ uint32_t SwarmStore::add(std::string name, uint32_t shape_handle, std::span<cons
 uint32_t SwarmStore::add(std::string name, uint32_t shape_handle, uint64_t count, float largest_radius,
                          const Fill& fill) {
   shape(shape_handle);
-  if (!(std::isfinite(largest_radius) && largest_radius > 0))
-    fail(fmt::format("SwarmStore::add: swarm \"{}\": largest radius {}, must be above 0", name, largest_radius));
+  if (!(largest_radius > 0 && largest_radius <= kMostSwarmRadius))
+    fail(fmt::format("SwarmStore::add: swarm \"{}\": largest radius {}, must be above 0 and at most {:g} m", name, largest_radius,
+                     kMostSwarmRadius));
   Stored& stored = swarms_.emplace_back();
   stored.name = std::move(name);
   stored.shape = shape_handle;
@@ -109,7 +118,7 @@ uint32_t SwarmStore::add(std::string name, uint32_t shape_handle, uint64_t count
     std::vector<rules::SwarmRecord>& chunk = stored.chunks.emplace_back(std::min<uint64_t>(kSwarmChunk, count - first));
     fill(first, chunk);
     const auto wrong = [](const rules::SwarmRecord& r) {
-      return !(std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z));
+      return !allowedPlace(r.x, r.y, r.z) || rules::radiusOf(r.size, 1) == 0;
     };
     const auto kept = std::remove_if(chunk.begin(), chunk.end(), wrong);
     stored.refused += static_cast<uint64_t>(chunk.end() - kept);
@@ -122,9 +131,7 @@ uint32_t SwarmStore::add(std::string name, uint32_t shape_handle, uint64_t count
     }
     if (chunk.empty()) stored.chunks.pop_back();
   }
-  if (stored.refused > 0)
-    logWarning("SwarmStore: swarm \"{}\": {} of {} grains left out: positions must be finite", stored.name,
-               stored.refused, count);
+  warnOfRefused(stored, count);
   return static_cast<uint32_t>(swarms_.size() - 1);
 }
 

@@ -1,5 +1,6 @@
 // lod.upload: brings swarms that changed to the GPU, and each frame the blocks of constants.
 #include <algorithm>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -29,46 +30,68 @@ rules::SwarmCommands commandsOf(const MeshStore& meshes, const GrainShape& shape
   return commands;
 }
 
-Chunk chunkOf(std::span<const rules::SwarmRecord> records, std::span<const rules::SwarmRun> bounds, const rules::SwarmCommands& commands) {
+Chunk chunkOf(std::span<const rules::SwarmRecord> records, std::span<const rules::SwarmRun> bounds) {
   Chunk chunk;
   chunk.count = static_cast<uint32_t>(records.size());
-  const size_t runs = runsOf(chunk.count), blocks = (runs + rules::kBlockRuns - 1) / rules::kBlockRuns;
   chunk.records = gpu::Buffer("lod.records", records);
   chunk.runs = gpu::Buffer("lod.runs", bounds);
   chunk.drift = driftOf(bounds);
-  chunk.representations = gpu::Buffer("lod.representations", 4 * rules::kRunWords * runs);
-  chunk.representations.fill(0);
-  chunk.seen = gpu::Buffer("lod.seen", 4 * rules::kRunSeenWords * runs);
-  chunk.seen.fill(0);
-  chunk.counts = gpu::Buffer("lod.counts", 4 * rules::kCountWords * runs);
-  chunk.prefix = gpu::Buffer("lod.prefix", 4 * rules::kRepresentations * (runs + blocks));
-  chunk.list = gpu::Buffer("lod.list", 4 * size_t{chunk.count});
-  chunk.commands = gpu::Buffer("lod.commands", sizeof(commands), &commands);
   return chunk;
 }
 
-void makeResident(Resident& resident, const SwarmStore& store, const MeshStore& meshes, std::vector<rules::SwarmRun>& runs) {
-  const SwarmStore::Stored& stored = store.swarm(resident.swarm);
+Routes routesOf(uint32_t count, const rules::SwarmCommands& commands) {
+  Routes routes;
+  routes.count = count;
+  const size_t runs = runsOf(count), blocks = (runs + rules::kBlockRuns - 1) / rules::kBlockRuns;
+  routes.representations = gpu::Buffer("lod.representations", 4 * rules::kRunWords * runs);
+  routes.representations.fill(0);
+  routes.seen = gpu::Buffer("lod.seen", 4 * rules::kRunSeenWords * runs);
+  routes.seen.fill(0);
+  routes.counts = gpu::Buffer("lod.counts", 4 * rules::kCountWords * runs);
+  routes.prefix = gpu::Buffer("lod.prefix", 4 * rules::kRepresentations * (runs + blocks));
+  routes.list = gpu::Buffer("lod.list", 4 * size_t{count});
+  routes.commands = gpu::Buffer("lod.commands", sizeof(commands), &commands);
+  return routes;
+}
+
+void makeResident(Resident& resident, const SwarmStore::Stored& stored, std::vector<rules::SwarmRun>& runs) {
+  resident.drawn = true;
   if (resident.version == stored.version) return;
   resident.version = stored.version;
-  // As many grains as before: what they were drawn as, and the buffers, stay.
-  const auto fits = [&](size_t k) {
-    return k < resident.chunks.size() && resident.chunks[k].count == stored.chunks[k].size();
-  };
   for (size_t k = 0; k < stored.chunks.size(); ++k) {
     const std::span<const rules::SwarmRecord> records(stored.chunks[k]);
     boundRuns(records, stored.largest_radius, runs);
     const std::span<const rules::SwarmRun> bounds(runs);
-    if (fits(k)) {
-      resident.chunks[k].drift = driftOf(bounds);
-      resident.chunks[k].records.upload(records);
-      resident.chunks[k].runs.upload(bounds);
+    if (k == resident.chunks.size()) resident.chunks.emplace_back();
+    Chunk& chunk = resident.chunks[k];
+    if (chunk.count != records.size()) {
+      chunk = chunkOf(records, bounds);
       continue;
     }
-    if (k == resident.chunks.size()) resident.chunks.emplace_back();
-    resident.chunks[k] = chunkOf(records, bounds, commandsOf(meshes, store.shape(stored.shape)));
+    chunk.drift = driftOf(bounds);
+    chunk.records.upload(records);
+    chunk.runs.upload(bounds);
   }
   resident.chunks.resize(stored.chunks.size());
+}
+
+// Where as many grains as before have moved, what they were drawn as stays.
+void makeRoutes(Placement& placement, const Resident& resident, const rules::SwarmCommands& commands) {
+  placement.routes.resize(resident.chunks.size());
+  for (size_t k = 0; k < resident.chunks.size(); ++k)
+    if (placement.routes[k].count != resident.chunks[k].count)
+      placement.routes[k] = routesOf(resident.chunks[k].count, commands);
+}
+
+// The entity's, made if it is new or has another swarm. `at`: where it is likely to be.
+Placement& placementOf(std::vector<Placement>& placements, size_t at, Entity entity, uint32_t swarm) {
+  if (at >= placements.size() || placements[at].entity != entity)
+    at = static_cast<size_t>(std::ranges::find(placements, entity, &Placement::entity) - placements.begin());
+  if (at == placements.size()) placements.emplace_back();
+  Placement& placement = placements[at];
+  if (placement.entity != entity || placement.swarm != swarm) placement = {.entity = entity, .swarm = swarm};
+  placement.drawn = true;
+  return placement;
 }
 
 void reserveCandidates(gpu::Buffer& candidates, ivec2 size) {
@@ -78,8 +101,8 @@ void reserveCandidates(gpu::Buffer& candidates, ivec2 size) {
 
 struct Placed {
   const Resident* resident;
-  const Transform* transform;
-  Entity entity;
+  Placement* placement;
+  dvec3 origin, previous_origin;  // in this frame and in the last
   bool casts;
 };
 
@@ -97,13 +120,13 @@ uint32_t possibleOf(const LodThresholds& t, size_t levels) {
   return possible;
 }
 
-// What the last frame tells of this one, for a ball of grains. Near: the camera has neither gone far, as seen from
-// there, nor turned much, so that most of what was seen is seen again.
+// What the last frame tells of this one, for a ball of grains. Near: the camera has neither gone far from there, as
+// seen from there, nor turned much, so that most of what was seen is seen again.
 enum class Knows { Nothing, Near, Same };
-Knows knowsWhatWasSeen(const SwarmsDrawn::State& state, const View& view, const vec3& center, float extent) {
-  if (!state.drew || state.world.singleton<const FrameInput>().frame > state.last_frame + 1) return Knows::Nothing;
+Knows knowsWhatWasSeen(const SwarmsDrawn::State& state, const View& view, const Placed& placed, const vec3& center, float extent) {
+  if (!placed.placement->drew || state.world.singleton<const FrameInput>().frame > state.last_frame + 1) return Knows::Nothing;
   const float away = std::max(glm::length(center) - extent, 0.1f * extent);
-  const double moved = glm::length(view.position - state.last_camera);
+  const double moved = glm::length((view.position - placed.origin) - (state.last_camera - placed.placement->origin));
   const float turned = 1 - std::abs(glm::dot(view.rotation, state.last_rotation));
   if (!(moved < 0.1 * static_cast<double>(away) && turned < 0.004f)) return Knows::Nothing;
   return moved == 0 && view.rotation == state.last_rotation ? Knows::Same : Knows::Near;
@@ -111,19 +134,17 @@ Knows knowsWhatWasSeen(const SwarmsDrawn::State& state, const View& view, const 
 
 void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view, const LodSettings& settings) {
   const SwarmStore& store = state.world.singleton<const SwarmStore>();
-  const SwarmStore::Stored& stored = store.swarm(placed.resident->swarm);
+  const SwarmStore::Stored& stored = store.swarm(placed.placement->swarm);
   const GrainShape& shape = store.shape(stored.shape);
-  const dvec3 origin = placed.transform->position;
   rules::SwarmBlock block{};
-  block.origin = vec4(vec3(origin - view.position), stored.largest_radius);
-  block.previous_origin =
-      vec4(vec3(origin - view.previous_position), shape.inner_radius / shape.outer_radius);
+  block.origin = vec4(vec3(placed.origin - view.position), stored.largest_radius);
+  block.previous_origin = vec4(vec3(placed.previous_origin - view.previous_position), shape.inner_radius / shape.outer_radius);
   block.center_scale = vec4(shape.center, 1 / shape.outer_radius);
   block.albedo = vec4(shape.albedo, shape.cast_share);
   block.roughness = shape.roughness;
   block.metallic = shape.metallic;
   const vec3 middle = vec3(block.origin) + 0.5f * (stored.min + stored.max);
-  const Knows knows = knowsWhatWasSeen(state, view, middle, 0.5f * glm::length(stored.max - stored.min));
+  const Knows knows = knowsWhatWasSeen(state, view, placed, middle, 0.5f * glm::length(stored.max - stored.min));
   block.candidate_cell = knows == Knows::Nothing ? rules::kCandidateCell
                          : knows == Knows::Near  ? rules::kCandidateCellMoving
                                                  : rules::kCandidateCellStill;
@@ -137,10 +158,12 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.cull = settings.cull ? 1 : 0;
   const bool grains_apart = settings.view == SwarmView::Representation || settings.view == SwarmView::Frozen;
   block.same_id = grains_apart ? 0 : 1;
-  for (const Chunk& chunk : placed.resident->chunks) {
+  for (size_t k = 0; k < placed.resident->chunks.size(); ++k) {
+    const Chunk& chunk = placed.resident->chunks[k];
+    const Routes& routes = placed.placement->routes[k];
     block.count = chunk.count;
     block.first = static_cast<uint32_t>(state.grain_count);
-    block.first_id = grains_apart ? rules::kGrainIdBit | (block.first + 1) : placed.entity.index + 1;
+    block.first_id = grains_apart ? rules::kGrainIdBit | (block.first + 1) : placed.placement->entity.index + 1;
     block.run_count = runsOf(chunk.count);
     block.last_first = glm::dot(chunk.drift, view.rotation * vec3(0, 0, -1)) < 0 ? 1 : 0;
     Part part;
@@ -148,9 +171,10 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     part.first = block.first;
     part.count = chunk.count;
     part.runs = block.run_count;
-    part.list = &chunk.list;
-    part.commands = &chunk.commands;
+    part.list = &routes.list;
+    part.commands = &routes.commands;
     part.chunk = &chunk;
+    part.routes = &routes;
     part.thresholds = t;
     part.casts = placed.casts;
     part.cast_share = shape.cast_share;
@@ -169,14 +193,31 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
 // Tells the shadow map's fit where the swarm is, and notes what its shadow depends on.
 void addCaster(SwarmsDrawn::State& state, const Placed& placed, std::vector<CasterSeen>& seen) {
   if (!placed.casts) return;
-  const SwarmStore::Stored& stored = state.world.singleton<const SwarmStore>().swarm(placed.resident->swarm);
-  if (stored.count == 0) return;
-  const dvec3 origin = placed.transform->position;
+  const SwarmStore::Stored& stored = state.world.singleton<const SwarmStore>().swarm(placed.placement->swarm);
   const vec3 half = 0.5f * (stored.max - stored.min);
   state.world.singleton<ShadowCasters>().spheres.push_back(
-      {origin + dvec3(0.5f * (stored.min + stored.max)), glm::length(half) + stored.largest_radius});
-  seen.push_back({placed.resident->swarm, stored.version, origin});
+      {placed.origin + dvec3(0.5f * (stored.min + stored.max)), glm::length(half) + stored.largest_radius});
+  seen.push_back({placed.placement->swarm, stored.version, placed.origin});
   state.casts = true;
+}
+
+// Where the entity is between two ticks, and was in the last frame.
+Placed placedAt(World& world, Entity entity, const Transform& transform) {
+  const FrameInput& input = world.singleton<const FrameInput>();
+  Placed placed{nullptr, nullptr, transform.position, transform.position, world.has<CastsShadow>(entity)};
+  if (const PreviousTransform* previous = world.peek<PreviousTransform>(entity)) {
+    placed.origin = interpolate(*previous, transform, input.alpha).position;
+    placed.previous_origin = interpolate(*previous, transform, double{input.alpha} - input.motion_scale).position;
+  }
+  return placed;
+}
+
+// Gives back what this frame does not draw.
+void dropTheRest(SwarmsDrawn::State& state) {
+  for (Resident& resident : state.resident)
+    if (!std::exchange(resident.drawn, false)) resident = {};
+  std::erase_if(state.placements, [](const Placement& placement) { return !placement.drawn; });
+  for (Placement& placement : state.placements) placement.drew = std::exchange(placement.drawn, false);
 }
 
 void upload(SwarmsDrawn::State& state) {
@@ -191,20 +232,26 @@ void upload(SwarmsDrawn::State& state) {
   state.casts = false;
   std::vector<CasterSeen>& seen = state.casters_now;
   seen.clear();
-  state.blocks.beginFrame();
   state.resident.resize(store.swarmCount());
+  size_t number = 0;
   state.swarms.each([&](Entity entity, const Swarm& swarm, const Transform& transform) {
-    store.swarm(swarm.swarm);
+    const SwarmStore::Stored& stored = store.swarm(swarm.swarm);
+    if (stored.count == 0) return;
+    if (state.parts.empty()) state.blocks.beginFrame();
     Resident& resident = state.resident[swarm.swarm];
-    resident.swarm = swarm.swarm;
-    makeResident(resident, store, meshes, state.runs_scratch);
-    const Placed placed{&resident, &transform, entity, world.has<CastsShadow>(entity)};
+    makeResident(resident, stored, state.runs_scratch);
+    Placed placed = placedAt(world, entity, transform);
+    placed.resident = &resident;
+    placed.placement = &placementOf(state.placements, number++, entity, swarm.swarm);
+    makeRoutes(*placed.placement, resident, commandsOf(meshes, store.shape(stored.shape)));
     addParts(state, placed, view, settings);
     addCaster(state, placed, seen);
+    placed.placement->origin = placed.origin;
   });
-  state.drew = !state.parts.empty();
-  state.frozen = settings.view == SwarmView::Frozen && state.routed && state.drew;
-  state.routed = state.drew;
+  dropTheRest(state);
+  const bool drew = !state.parts.empty();
+  state.frozen = settings.view == SwarmView::Frozen && state.routed && drew;
+  state.routed = drew;
   if (!state.frozen) {
     state.last_camera = view.position;
     state.last_rotation = view.rotation;
@@ -214,7 +261,7 @@ void upload(SwarmsDrawn::State& state) {
     std::swap(seen, state.casters_seen);
     ++state.casters_version;
   }
-  reserveCandidates(state.candidates, world.singleton<const FrameInput>().size);
+  if (drew) reserveCandidates(state.candidates, world.singleton<const FrameInput>().size);
 }
 
 }  // namespace

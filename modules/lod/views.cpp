@@ -32,7 +32,7 @@ PassDesc routesPass(const SharedState& state, const char* name, SwarmView view, 
             for (const Part& part : state->parts) {
               part.late.bindUniform(rules::kPassBinding);
               part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
-              part.chunk->representations.bindStorage(rules::kSwarmRepresentationsBinding);
+              part.routes->representations.bindStorage(rules::kSwarmRepresentationsBinding);
               gpu::drawFullScreen();
             }
           }};

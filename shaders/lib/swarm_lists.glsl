@@ -1,5 +1,5 @@
 // Where the counts before each run and block of runs are kept: by run, then behind all runs by block;
-// eight numbers each, one a representation.
+// sixteen numbers each, one a representation.
 #include "shared/swarm.h"
 
 uint blockCount(uint run_count) { return (run_count + kBlockRuns - 1u) / kBlockRuns; }

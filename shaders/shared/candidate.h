@@ -10,7 +10,7 @@
 #include "shared/view.h"
 RULES_BEGIN
 
-// In sizes of a grain; measured, see modules/lod/README.md.
+// In sizes of a grain; chosen by the shares that scree_bench occlusion finds culled.
 const float kCandidateCell = 1.0f;       // if nothing is known
 const float kCandidateCellMoving = 2.2f;  // after a frame from nearby
 const float kCandidateCellStill = 4.0f;   // after one from the same place

@@ -166,11 +166,11 @@ RULE bool isBelow(float size_px, float threshold, float band, bool was_above) {
 }
 
 // Points are of another kind than what they follow: were all grains of a distant heap to become points at one distance,
-// it would show. Each becomes one at a size of its own, by what stays the same as it moves: its look, size and seed.
+// it would show. Each becomes one at a size of its own, by what stays the same as it moves: its look and seed.
 const float kPointSpread = 0.16f;  // share of point_px: 11 steps of a camera that goes away by 1.5 % each
 // [0, 1).
 RULE float ownShare(uint look, uint size) {
-  uint h = (look ^ size * 0x9e3779b1u) * 0x85ebca6bu;
+  uint h = (look ^ (size >> 16u) * 0x9e3779b1u) * 0x85ebca6bu;
   return float((h ^ h >> 15u) * 0xc2b2ae35u >> 8u) * (1.0f / 16777216.0f);
 }
 

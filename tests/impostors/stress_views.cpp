@@ -50,7 +50,7 @@ struct BeanViews : SwarmScene {
   }
   std::vector<uint32_t> routes() {
     const auto& part = static_cast<const lod::Part&>(drawn().part(0));
-    const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.chunk->representations, (part.count + 7) / 8);
+    const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.routes->representations, (part.count + 7) / 8);
     std::vector<uint32_t> all(part.count);
     for (uint32_t k = 0; k < part.count; ++k) all[k] = words[k / 8] >> 4 * (k % 8) & 15;
     std::replace(all.begin(), all.end(), rules::kHidden, rules::kNotDrawn);

@@ -68,7 +68,7 @@ void expectRoutes(SwarmScene& scene, uint32_t swarm, const char* what) {
   const lod::Part& drawn = static_cast<const lod::Part&>(part);
   const rules::SwarmBlock block = *static_cast<const rules::SwarmBlock*>(drawn.early.data);
   const Expected expected = expectedRoutes(scene, records, block);
-  const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(drawn.chunk->representations, (records.size() + 7) / 8);
+  const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(drawn.routes->representations, (records.size() + 7) / 8);
   size_t wrong = 0, doubtful = 0, of[rules::kRepresentations] = {};
   std::vector<uint32_t> lists[rules::kRepresentations];
   for (uint32_t k = 0; k < records.size(); ++k) {
@@ -156,7 +156,7 @@ TEST_F(Routing, WhatWasSeenIsDrawnFirst) {
   const std::vector<uint32_t> visible = gpu::readUints(scene.app.frame().texture(kSwarmVisible), 1);
   scene.render();
   const lod::Part& part = static_cast<const lod::Part&>(scene.drawn().part(0));
-  const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.chunk->representations, 2000 / 8);
+  const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.routes->representations, 2000 / 8);
   size_t shown = 0;
   for (const uint32_t number : visible) {
     if (number == 0) continue;

@@ -179,15 +179,25 @@ TEST(SwarmStores, RefuseWhatIsNotFinite) {
   shape.levels = {{0, 0}};
   const uint32_t handle = store.addShape(shape);
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
-  std::vector<SwarmGrain> grains(6);
+  std::vector<SwarmGrain> grains(10);
   grains[1].position.y = nan;
   grains[2].radius = inf;
   grains[3].radius = 0;
   grains[4].radius = -1;
   grains[5].rotation.w = nan;
+  grains[6].position.x = 1e20f;
+  grains[7].radius = 1e20f;
+  grains[8].radius = 1e-7f;  // beside the largest that is allowed: of no size
+  grains[9].position = {1e9f, -1e9f, 0};
   const uint32_t swarm = store.add("odd", handle, grains);
-  EXPECT_EQ(store.swarm(swarm).count, 1u);
-  EXPECT_EQ(store.swarm(swarm).refused, 5u);
+  EXPECT_EQ(store.swarm(swarm).count, 2u);
+  EXPECT_EQ(store.swarm(swarm).refused, 8u);
+  EXPECT_EQ(store.swarm(swarm).largest_radius, 1);
+  const SwarmStore::Fill fill = [&](uint64_t, std::span<rules::SwarmRecord> records) {
+    for (size_t k = 0; k < records.size(); ++k) records[k] = packed(SwarmGrain{.radius = k == 1 ? 0.0f : 1.0f}, 1);
+    records[2].x = 1e20f;
+  };
+  EXPECT_EQ(store.swarm(store.add("filled", handle, 4, 1, fill)).refused, 2u);
   EXPECT_EQ(store.swarm(store.add("empty", handle, std::span<const SwarmGrain>{})).count, 0u);
 }
 

@@ -53,8 +53,8 @@ struct BeanScene : SwarmScene {
     std::array<uint64_t, rules::kFirst> counts{};
     for (size_t k = 0; k < drawn().size(); ++k) {
       const SwarmPart& part = drawn().part(k);
-      const lod::Chunk& chunk = *static_cast<const lod::Part&>(part).chunk;
-      const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(chunk.representations, (part.count + 7) / 8);
+      const lod::Routes& routes = *static_cast<const lod::Part&>(part).routes;
+      const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(routes.representations, (part.count + 7) / 8);
       for (uint32_t grain = 0; grain < part.count; ++grain) ++counts[words[grain / 8] >> 4 * (grain % 8) & 7];
     }
     return counts;

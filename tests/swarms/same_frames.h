@@ -39,11 +39,11 @@ inline void printFrameHashes() {
       hash = hashBytes(ids.data(), ids.size() * sizeof(uint32_t), hash);
     for (size_t k = 0; k < scene.drawn().size(); ++k) {
       const SwarmPart& part = scene.drawn().part(k);
-      const lod::Chunk& chunk = *static_cast<const lod::Part&>(part).chunk;
+      const lod::Routes& routes = *static_cast<const lod::Part&>(part).routes;
       rules::SwarmCommands commands{};
       gpu::readBuffer(*part.commands, &commands, sizeof(commands));
       hash = hashBytes(&commands, sizeof(commands), hash);
-      for (const auto& words : {gpu::readBuffer<uint32_t>(chunk.representations, part.count / 8),
+      for (const auto& words : {gpu::readBuffer<uint32_t>(routes.representations, part.count / 8),
                                 gpu::readBuffer<uint32_t>(*part.list, commands.listed)})
         hash = hashBytes(words.data(), words.size() * sizeof(uint32_t), hash);
     }

@@ -75,7 +75,7 @@ TEST_F(StressMillions, AreLoadedRoutedAndDrawn) {
   for (size_t p = 0; p < scene.drawn().size(); ++p) {
     const lod::Part& part = static_cast<const lod::Part&>(scene.drawn().part(p));
     const rules::SwarmBlock block = *static_cast<const rules::SwarmBlock*>(part.early.data);
-    const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.chunk->representations, (part.count + 7) / 8);
+    const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.routes->representations, (part.count + 7) / 8);
     const std::vector<rules::SwarmRecord>& records = store.swarm(swarm).chunks[p];
     for (uint32_t k = 0; k < part.count; ++k) {
       const rules::SwarmRecord& record = records[k];
