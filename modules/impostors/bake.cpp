@@ -20,7 +20,7 @@ using namespace impostors;
 
 // Of the bake's rules: raised with every change that makes other bytes of the same mesh.
 constexpr uint64_t kBakeVersion = 3;
-constexpr double kViewsShare = 0.5;  // of the progress; measuring takes the rest
+constexpr double kViewsShare = 0.5, kMeasureShare = 0.4;  // of the progress; bounding outlines takes the rest
 
 Shot shotOf(const vec3& axis, int texels, int supersample) {
   const rules::ImpostorBasis basis = rules::impostorBasis(axis);
@@ -148,9 +148,10 @@ Result<ImpostorAtlas> bake(const GrainMesh& mesh, const BakeParameters& paramete
   });
   if (parameters.directions > 0) {
     atlas.errors = measure(*unit, atlas, parameters.directions, [&](double share) {
-      if (progress) progress(kViewsShare + share * (1 - kViewsShare));
+      if (progress) progress(kViewsShare + share * kMeasureShare);
     });
     atlas.errors.outlines = outlineBounds(*unit, atlas);
+    if (progress) progress(1);
   }
   return atlas;
 }

@@ -174,6 +174,9 @@ rules::ImpostorProxy proxyOf(const Corners& corners, double fallback_radius) {
   const double yy = std::sqrt(std::max(a[1][1] - yz * yz, kThinnest));
   const double xy = (a[0][1] - xz * yz) / yy;
   const double xx = std::sqrt(std::max(a[0][0] - xy * xy - xz * xz, kThinnest));
+  // Of a surface that is turned inside out in parts the moments are those of nothing.
+  constexpr double kLongest = 4;
+  if (!(glm::length(center) <= 1) || !(std::max({xx, yy, zz}) <= kLongest)) return sphere();
   const double tx = 1 / xx, ty = 1 / yy, tz = 1 / zz;
   return {vec4(vec3(center), 0),
           vec4(static_cast<float>(tx), static_cast<float>(ty), static_cast<float>(tz), 0),

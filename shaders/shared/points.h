@@ -9,7 +9,8 @@ const int kPointCarriesBinding = kCandidateMapBinding;
 
 // Sums are kept in whole numbers, whose order of addition does not matter: areas in this part of a pixel.
 // Colours of up to 255 times 2,056 pixels of area fit in 32 bits, and 1,024 times that with ten bits of carries;
-// so does the area itself with two: a million of the largest grains at one place.
+// so does the area itself with two: 668,000 of the largest grains in the middle of one pixel, a million between four.
+// Of more, colours are wrong, and nothing else.
 const float kPointAreaSteps = 8192.0f;
 
 // No point is larger: of one made larger, nothing but its middle is drawn. Radius, pixels.
