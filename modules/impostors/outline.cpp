@@ -5,12 +5,12 @@
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
 #include "modules/impostors/cast.h"
 #include "modules/impostors/measure.h"
+#include "modules/lod/lod.h"
 #include "shaders/shared/swarm.h"
 
 namespace scree::impostors {
@@ -82,15 +82,14 @@ double worstOf(const std::function<double(const vec3&)>& off) {
   return most;
 }
 
-// Radius of a disc with the mean shadow of a convex body of this surface: a quarter of it (Cauchy); at most that of the
-// sphere around it.
-double meanShadow(const UnitGrain& grain) {
+// Radius of the disc that the grain is as a point: at most that of the sphere around it.
+double pointRadius(const UnitGrain& grain) {
   double area = 0;
   for (const UnitTriangle& t : grain.triangles) {
     const dvec3 a = grain.positions[t.v[0]], b = grain.positions[t.v[1]], c = grain.positions[t.v[2]];
     area += 0.5 * glm::length(glm::cross(b - a, c - a));
   }
-  return std::min(std::sqrt(area / (4 * std::numbers::pi)), 1.0);
+  return std::min(meanShadowRadius(area), 1.0);
 }
 
 }  // namespace
@@ -178,7 +177,7 @@ ImpostorOutlines outlineBounds(const UnitGrain& grain, const ImpostorAtlas& atla
     const size_t sharpest = static_cast<size_t>(std::ranges::find_if(levels, [](float x) { return x < kImpostorOutlineUnknown; }) - levels.begin());
     return std::max(worst(static_cast<int>(sharpest), small, kImpostorMostNear) - levels[sharpest], 0.0f) / kImpostorMostNear;
   };
-  const auto disc = static_cast<float>(meanShadow(grain));
+  const auto disc = static_cast<float>(pointRadius(grain));
   bounds.point = kOutlineMargin * static_cast<float>(worstOf([&](const vec3& axis) {
                    const OutlineView view = outlineView(axis, 0);
                    return outlineOff(discOutline(disc, view, kSearchSamples), meshOutline(grain, view, kSearchSamples));

@@ -165,6 +165,9 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings,
 // enlarges on the side of the eye; impostors and points by the worst that was found, and a margin. Below 0: unknown.
 float outlineErrorPx(const GrainShape& shape, uint32_t representation, float size_px, float pixels_at_1m);
 
+// Radius of a disc with the mean shadow of a convex body of this surface (m^2, or any unit's): a quarter of it (Cauchy).
+double meanShadowRadius(double surface);
+
 // The levels of a mesh, simplified, in the MeshStore; the parts' materials are handles of the MaterialStore
 // (negative: its default). Each level has about a third of the triangles of the one before, as long as it can be
 // simplified; the edges of several parts stay as they are. Sets levels; outer_radius must be set. Refuses more than

@@ -63,6 +63,8 @@ void addPart(const MaterialStore& materials, const MeshData& mesh, Means& means)
 
 }  // namespace
 
+double meanShadowRadius(double surface) { return std::sqrt(surface / (4 * std::numbers::pi)); }
+
 void setMeanLook(const MaterialStore& materials, GrainShape& shape, std::span<const MeshData> parts) {
   Means means;
   for (const MeshData& part : parts) addPart(materials, part, means);
@@ -70,9 +72,7 @@ void setMeanLook(const MaterialStore& materials, GrainShape& shape, std::span<co
   shape.albedo = vec3(means.albedo / means.weight);
   shape.roughness = static_cast<float>(means.roughness / means.weight);
   shape.metallic = static_cast<float>(means.metallic / means.weight);
-  const double surface = means.weight / kSamples;  // of a ball: 4 pi radius^2
-  shape.cast_share =
-      std::min(1.0f, static_cast<float>(std::sqrt(surface / (4 * std::numbers::pi))) / shape.outer_radius);
+  shape.cast_share = std::min(1.0f, static_cast<float>(meanShadowRadius(means.weight / kSamples)) / shape.outer_radius);
 }
 
 }  // namespace scree
