@@ -11,7 +11,7 @@ namespace {
 
 constexpr unsigned kGrainSlot = 1;
 constexpr int kOverdrawAttachment = 5;  // after the G-buffer's and kSwarmVisible
-constexpr int kBaseColor = 0, kRoughnessMetallic = 1;  // uniform locations
+constexpr int kBaseColor = 0, kRoughnessMetallic = 1, kDoubleSided = 2;  // uniform locations
 
 struct MeshPrograms {
   gpu::Program still = program({}), moving = program({"MOTION"});
@@ -56,7 +56,6 @@ void draw(SwarmsDrawn::State& state, MeshPrograms& programs, const Frame& frame,
     draw_state.blend = gpu::Blend::Add;
     draw_state.blend_attachment = kOverdrawAttachment;
   }
-  gpu::apply(draw_state);
   for (const Part& part : state.parts) {
     const GrainShape& shape = store.shape(part.shape);
     part.early.bindUniform(rules::kPassBinding);
@@ -65,6 +64,9 @@ void draw(SwarmsDrawn::State& state, MeshPrograms& programs, const Frame& frame,
     const std::vector<MeshPart>& mesh_parts = meshes.mesh(shape.levels.front().mesh).parts;
     for (size_t k = 0; k < mesh_parts.size(); ++k) {
       const MaterialData& material = materials.material(mesh_parts[k].material);
+      draw_state.cull = material.double_sided ? gpu::Cull::None : gpu::Cull::Back;
+      gpu::apply(draw_state);
+      program.set(kDoubleSided, material.double_sided ? 1 : 0);
       program.set(kBaseColor, material.base_color);
       program.set(kRoughnessMetallic, vec2(material.roughness, material.metallic));
       materials.bind(mesh_parts[k].material);

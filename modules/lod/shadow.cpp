@@ -1,6 +1,7 @@
 // lod.shadow: grains into the sun's shadow map. Splatted by compute, and kept as long as neither the grains nor
 // the map's place change: millions of discs cost too much to be drawn anew in each frame.
-#include <cmath>
+#include <algorithm>
+#include <bit>
 
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
@@ -12,43 +13,97 @@
 namespace scree::lod {
 namespace {
 
-constexpr int kCellTexels = 0, kShapeShare = 1;  // uniform locations
+constexpr int kCellTexels = 0, kLastClass = 1, kLargestTexels = 2, kShapeShare = 3, kLargeTexels = 4, kListAt = 5;  // uniform locations
 constexpr uint32_t kGroup = 64;
+constexpr float kLarge = 12;  // radius in texels: a run of 64 grains then is 40,000 rounds at most; see lod/sun_disc.glsl
+constexpr size_t kMostListed = 65535;
 
 gpu::Program compute(const char* name) {
   return gpu::Program({.name = std::string("lod.") + name, .compute = std::string("lod/") + name + ".comp"});
 }
 
+// Of a swarm: the smallest grain's size, as its record has it, when its grains were of this version.
+struct Smallest {
+  uint64_t version = 0;
+  uint32_t size = 0;
+};
+
+uint32_t smallestOf(const SwarmStore::Stored& stored) {
+  uint32_t least = rules::kRadiusSteps;
+  for (const std::vector<rules::SwarmRecord>& chunk : stored.chunks)
+    for (const rules::SwarmRecord& record : chunk) least = std::min(least, record.size & rules::kRadiusSteps);
+  return least;
+}
+
+// What lod/sun.glsl says of cells.
+struct Cells {
+  float largest_texels = 0;
+  uint32_t texels = 1, last_class = 0;
+  size_t count = 0;  // of all classes
+};
+
+Cells cellsOf(float largest_m, float least_m, const rules::ShadowViewBlock& view) {
+  const auto side = static_cast<uint32_t>(view.size_px.x);
+  Cells cells{.largest_texels = largest_m / view.texel_m};
+  // A disc's radius wide: where discs lie close, next to no sun comes through between those that cast.
+  cells.texels = static_cast<uint32_t>(std::clamp(cells.largest_texels, 1.0f, view.size_px.x));
+  const float ratio = least_m > 0 ? std::clamp(largest_m / least_m, 1.0f, 4096.0f) : 4096;
+  const auto classOf = [](uint32_t ratio2) { return static_cast<uint32_t>(std::bit_width(ratio2) - 1); };
+  cells.last_class = std::min(classOf(static_cast<uint32_t>(2 * ratio * ratio)) / 2, classOf(cells.texels));
+  for (uint32_t k = 0; k <= cells.last_class; ++k) {
+    const uint32_t cell = cells.texels >> k, across = (side + cell - 1) / cell;
+    cells.count += size_t{across} * across;
+  }
+  return cells;
+}
+
 struct SunMap {
-  gpu::Program cells_program = compute("sun_cells"), depth_program = compute("sun_depth");
+  gpu::Program cells_program = compute("sun_cells"), depth_program = compute("sun_depth"),
+               discs_program = compute("sun_discs");
   gpu::Program copy{{.name = "lod.shadow", .vertex = "lib/full_screen.vert", .fragment = "lod/sun.frag"}};
   gpu::Buffer cells, depth;
   uint64_t shadow_version = 0, casters_version = 0;  // of what `depth` holds
+  std::vector<Smallest> smallest;                    // by swarm
 
+  Cells fit(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view);
   void splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view);
 };
 
-// One of the cell's grains casts for all of them: half a radius wide, what shines past it is lost in the
-// filter. The smallest that there is, so that every grain of every swarm finds its own cell.
-float cellTexels(const SwarmsDrawn::State& state, float texel_m) {
-  float least = 1e30f;
-  for (const Part& part : state.parts)
-    if (part.casts) least = std::min(least, part.largest_radius);
-  return std::max(1.0f, std::floor(least / texel_m));
+Cells SunMap::fit(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view) {
+  const SwarmStore& store = state.world.singleton<const SwarmStore>();
+  smallest.resize(store.swarmCount());
+  float largest_m = 0, least_m = 1e30f;
+  for (const CasterSeen& caster : state.casters_seen) {
+    const SwarmStore::Stored& stored = store.swarm(caster.swarm);
+    Smallest& known = smallest[caster.swarm];
+    if (known.version != stored.version) known = {stored.version, smallestOf(stored)};
+    const float share = store.shape(stored.shape).cast_share;
+    largest_m = std::max(largest_m, stored.largest_radius * share);
+    least_m = std::min(least_m, rules::radiusOf(known.size, stored.largest_radius) * share);
+  }
+  return cellsOf(largest_m, least_m, view);
 }
 
 void SunMap::splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view) {
-  const float cell = cellTexels(state, view.texel_m);
-  const auto side = static_cast<size_t>(view.size_px.x), cell_side = static_cast<size_t>(std::ceil(view.size_px.x / cell));
-  gpu::reserve(depth, "lod.sun_depth", 4 * side * static_cast<size_t>(view.size_px.y));
-  gpu::reserve(cells, "lod.sun_cells", 4 * cell_side * (cell_side + 1));
+  const Cells fitted = fit(state, view);
+  gpu::reserve(depth, "lod.sun_depth", 4 * static_cast<size_t>(view.size_px.x) * static_cast<size_t>(view.size_px.y));
+  const bool lists = fitted.largest_texels > kLarge;
+  gpu::reserve(cells, "lod.sun_cells", 4 * (fitted.count + (lists ? 4 + 4 * kMostListed : 0)));
   depth.fill(0);
   cells.fill(0);
   depth.bindStorage(rules::kSunDepthBinding);
   cells.bindStorage(rules::kSunCellsBinding);
+  const auto use = [&](gpu::Program& program) {
+    if (!program.use()) return false;
+    program.set(kCellTexels, fitted.texels);
+    program.set(kLastClass, fitted.last_class);
+    program.set(kLargestTexels, fitted.largest_texels);
+    if (&program != &cells_program) program.set(kListAt, static_cast<uint32_t>(fitted.count));
+    return true;
+  };
   for (gpu::Program* program : {&cells_program, &depth_program}) {
-    if (!program->use()) return;
-    program->set(kCellTexels, cell);
+    if (!use(*program)) return;
+    if (program == &depth_program) program->set(kLargeTexels, lists ? kLarge : 1e30f);
     for (const Part& part : state.parts) {
       if (!part.casts) continue;
       program->set(kShapeShare, part.cast_share);
@@ -56,8 +111,11 @@ void SunMap::splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock
       part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
       gpu::dispatchItems(part.runs, kGroup);
     }
-    gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   }
+  if (!lists || !use(discs_program)) return;
+  gpu::dispatchIndirect(cells, 4 * fitted.count);
+  gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
 void draw(const SwarmsDrawn::State& state, SunMap& map) {

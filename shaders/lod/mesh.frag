@@ -4,6 +4,7 @@
 
 layout(location = 0) uniform vec4 base_color;
 layout(location = 1) uniform vec2 roughness_metallic;
+layout(location = 2) uniform bool double_sided;
 layout(binding = kBaseColorUnit) uniform sampler2D base_color_map;
 layout(binding = kMetallicRoughnessUnit) uniform sampler2D metallic_roughness_map;
 
@@ -27,7 +28,7 @@ void main() {
   Surface s;
   s.albedo = base_color.rgb * texture(base_color_map, uv_out).rgb * tintOf(look);
   s.metallic = roughness_metallic.y * map.y;
-  s.normal_ws = normal_ws;
+  s.normal_ws = double_sided && !gl_FrontFacing ? -normal_ws : normal_ws;
   s.roughness = roughness_metallic.x * map.x * roughnessOf(look);
 #ifdef MOTION
   s.motion_px = motionFromPrevious(previous_clip, gl_FragCoord.z);

@@ -1,9 +1,14 @@
 // A grain as the sun sees it: the disc through its centre, which casts its outer sphere's shadow, less what the
 // shape leaves of it, on all that does not overlap the grain.
+//
+// In each cell of the sun's map one disc casts for all of about its size, the nearest to the sun. Class k is of
+// discs with a radius of 2^-k of the largest, to the nearest k; its cells are as much smaller than those of class 0.
 #include "shared/shadow.h"
 
-layout(location = 0) uniform float cell_texels;
-layout(location = 1) uniform float shape_share;  // radius of the disc / outer radius
+layout(location = 0) uniform uint cell_texels;      // side of a cell of class 0
+layout(location = 1) uniform uint last_class;       // that of the smallest disc
+layout(location = 2) uniform float largest_texels;  // radius of the largest disc
+layout(location = 3) uniform float shape_share;     // radius of the disc / outer radius
 
 struct Caster {
   vec2 texel;
@@ -21,8 +26,18 @@ Caster casterOf(SwarmRecord grain) {
   return caster;
 }
 
-uint sunCell(vec2 texel) {
-  vec2 p = clamp(texel, vec2(0.0), shadow_view.size_px - 0.5);
-  uvec2 cell = uvec2(p / cell_texels);
-  return cell.y * uint(ceil(shadow_view.size_px.x / cell_texels)) + cell.x;
+uint cellSide(uint size_class) { return max(cell_texels >> size_class, 1u); }
+uint cellsAcross(uint size_class) {
+  uint side = cellSide(size_class);
+  return (uint(shadow_view.size_px.x) + side - 1u) / side;
+}
+
+// A grain of the class of the largest, as all are in a swarm of equals, pays for no other.
+uint sunCell(Caster caster) {
+  float ratio = clamp(largest_texels / caster.radius, 1.0, 4096.0);  // 4096: texels of a map are fewer
+  uint size_class = min(uint(findMSB(uint(2.0 * ratio * ratio))) >> 1u, last_class);
+  uint first = 0u;
+  for (uint k = 0u; k < size_class; ++k) first += cellsAcross(k) * cellsAcross(k);
+  uvec2 cell = uvec2(clamp(caster.texel, vec2(0.0), shadow_view.size_px - 0.5)) / cellSide(size_class);
+  return first + cell.y * cellsAcross(size_class) + cell.x;
 }

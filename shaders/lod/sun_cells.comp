@@ -1,4 +1,4 @@
-// Of the grains that cast shadows, the nearest to the sun in each cell of its map.
+// Of the grains of about one size that cast shadows, the nearest to the sun in each cell of its map.
 #include "lib/swarm.glsl"
 #include "lod/sun.glsl"
 
@@ -13,7 +13,7 @@ void main() {
   for (uint grain = run * kRunGrains; grain < end; ++grain) {
     Caster caster = casterOf(records[grain]);
     if (caster.key == 0u) continue;
-    uint at = sunCell(caster.texel);
+    uint at = sunCell(caster);
     if (cells[at] < caster.key) atomicMax(cells[at], caster.key);
   }
 }

@@ -1,0 +1,48 @@
+// Discs into the map of the sun's depth; after lod/sun.glsl. Large ones are listed behind the cells, to be drawn by a
+// work group each: a single invocation would take too long, and software GL ends it after 65,535 rounds of its loops.
+layout(location = 4) uniform float large_texels;  // a larger radius is large
+layout(location = 5) uniform uint list_at;        // in `cells`: the dispatch's work groups, count, discs
+
+const uint kMostListed = 65535u;  // GL's least limit of work groups
+
+layout(std430, binding = kSunCellsBinding) buffer SunCells { uint cells[]; };
+layout(std430, binding = kSunDepthBinding) buffer SunDepth { uint depth[]; };
+
+// False if there is no room.
+bool list(Caster caster) {
+  uint at = atomicAdd(cells[list_at + 3u], 1u);
+  if (at >= kMostListed) return false;
+  atomicMax(cells[list_at], at + 1u);
+  cells[list_at + 1u] = 1u;
+  cells[list_at + 2u] = 1u;
+  uint words = list_at + 4u + 4u * at;
+  cells[words] = floatBitsToUint(caster.texel.x);
+  cells[words + 1u] = floatBitsToUint(caster.texel.y);
+  cells[words + 2u] = floatBitsToUint(caster.radius);
+  cells[words + 3u] = caster.key;
+  return true;
+}
+Caster listed(uint at) {
+  uint words = list_at + 4u + 4u * at;
+  Caster caster;
+  caster.texel = vec2(uintBitsToFloat(cells[words]), uintBitsToFloat(cells[words + 1u]));
+  caster.radius = uintBitsToFloat(cells[words + 2u]);
+  caster.key = cells[words + 3u];
+  return caster;
+}
+
+// Every `step`th row, from `first` on.
+void drawDisc(Caster caster, int first, int step) {
+  // Less than a texel wide it takes the one it is in.
+  float reach = max(caster.radius, 0.5);
+  ivec2 last = ivec2(shadow_view.size_px) - 1;
+  ivec2 low = ivec2(max(ceil(caster.texel - reach - 0.5), vec2(0.0)));
+  ivec2 high = ivec2(min(floor(caster.texel + reach - 0.5), vec2(last)));
+  for (int y = low.y + first; y <= high.y; y += step)
+    for (int x = low.x; x <= high.x; ++x) {
+      vec2 off = vec2(x, y) + 0.5 - caster.texel;
+      if (dot(off, off) > reach * reach) continue;
+      uint at = uint(y * (last.x + 1) + x);
+      if (depth[at] < caster.key) atomicMax(depth[at], caster.key);
+    }
+}
