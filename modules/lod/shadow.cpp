@@ -1,6 +1,7 @@
 // lod.shadow: grains into the sun's shadow map. Splatted by compute, and kept as long as neither the grains nor
 // the map's place change: millions of discs cost too much to be drawn anew in each frame.
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "engine/gpu/draw.h"
@@ -13,13 +14,15 @@
 namespace scree::lod {
 namespace {
 
-constexpr int kCellTexels = 0, kLastClass = 1, kLargestTexels = 2, kShapeShare = 3, kLargeTexels = 4, kListAt = 5;  // uniform locations
+constexpr int kLastClass = 0, kPerLargest = 1, kShapeShare = 2, kLargeTexels = 3, kListAt = 4, kCellClasses = 5;  // uniforms
 constexpr uint32_t kGroup = 64;
 constexpr float kLarge = 12;  // radius in texels: a run of 64 grains then is 40,000 rounds at most; see lod/sun_disc.glsl
 constexpr size_t kMostListed = 65535;
 
-gpu::Program compute(const char* name) {
-  return gpu::Program({.name = std::string("lod.") + name, .compute = std::string("lod/") + name + ".comp"});
+gpu::Program compute(const char* name, std::vector<std::string> defines = {}) {
+  return gpu::Program({.name = std::string("lod.") + name + (defines.empty() ? "" : "_list"),
+                       .compute = std::string("lod/") + name + ".comp",
+                       .defines = std::move(defines)});
 }
 
 // Of a swarm: the smallest grain's size, as its record has it, when its grains were of this version.
@@ -38,28 +41,31 @@ uint32_t smallestOf(const SwarmStore::Stored& stored) {
 // What lod/sun.glsl says of cells.
 struct Cells {
   float largest_texels = 0;
-  uint32_t texels = 1, last_class = 0;
-  size_t count = 0;  // of all classes
+  std::array<vec4, 12> classes{};
+  uint32_t last_class = 0;
+  uint32_t count = 0;  // of all classes
 };
 
 Cells cellsOf(float largest_m, float least_m, const rules::ShadowViewBlock& view) {
   const auto side = static_cast<uint32_t>(view.size_px.x);
   Cells cells{.largest_texels = largest_m / view.texel_m};
   // A disc's radius wide: where discs lie close, next to no sun comes through between those that cast.
-  cells.texels = static_cast<uint32_t>(std::clamp(cells.largest_texels, 1.0f, view.size_px.x));
+  const auto first = static_cast<uint32_t>(std::clamp(cells.largest_texels, 1.0f, view.size_px.x));
   const float ratio = least_m > 0 ? std::clamp(largest_m / least_m, 1.0f, 4096.0f) : 4096;
-  const auto classOf = [](uint32_t ratio2) { return static_cast<uint32_t>(std::bit_width(ratio2) - 1); };
-  cells.last_class = std::min(classOf(static_cast<uint32_t>(2 * ratio * ratio)) / 2, classOf(cells.texels));
-  for (uint32_t k = 0; k <= cells.last_class; ++k) {
-    const uint32_t cell = cells.texels >> k, across = (side + cell - 1) / cell;
-    cells.count += size_t{across} * across;
+  const auto classOf = [](uint32_t ratio2) { return std::bit_width(ratio2) - 1; };
+  const int last = std::min(classOf(static_cast<uint32_t>(2 * ratio * ratio)) / 2, classOf(first));
+  cells.last_class = static_cast<uint32_t>(last);
+  for (int k = 0; k <= last; ++k) {
+    const uint32_t cell = first >> k, across = (side + cell - 1) / cell;
+    cells.classes[static_cast<size_t>(k)] = vec4(1.0f / static_cast<float>(cell), across, cells.count, 0);
+    cells.count += across * across;
   }
   return cells;
 }
 
 struct SunMap {
   gpu::Program cells_program = compute("sun_cells"), depth_program = compute("sun_depth"),
-               discs_program = compute("sun_discs");
+               depth_list_program = compute("sun_depth", {"LIST"}), discs_program = compute("sun_discs");
   gpu::Program copy{{.name = "lod.shadow", .vertex = "lib/full_screen.vert", .fragment = "lod/sun.frag"}};
   gpu::Buffer cells, depth;
   uint64_t shadow_version = 0, casters_version = 0;  // of what `depth` holds
@@ -88,22 +94,20 @@ void SunMap::splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock
   const Cells fitted = fit(state, view);
   gpu::reserve(depth, "lod.sun_depth", 4 * static_cast<size_t>(view.size_px.x) * static_cast<size_t>(view.size_px.y));
   const bool lists = fitted.largest_texels > kLarge;
-  gpu::reserve(cells, "lod.sun_cells", 4 * (fitted.count + (lists ? 4 + 4 * kMostListed : 0)));
+  gpu::reserve(cells, "lod.sun_cells", 4 * (size_t{fitted.count} + (lists ? 4 + 4 * kMostListed : 0)));
   depth.fill(0);
   cells.fill(0);
   depth.bindStorage(rules::kSunDepthBinding);
   cells.bindStorage(rules::kSunCellsBinding);
-  const auto use = [&](gpu::Program& program) {
-    if (!program.use()) return false;
-    program.set(kCellTexels, fitted.texels);
-    program.set(kLastClass, fitted.last_class);
-    program.set(kLargestTexels, fitted.largest_texels);
-    if (&program != &cells_program) program.set(kListAt, static_cast<uint32_t>(fitted.count));
-    return true;
-  };
-  for (gpu::Program* program : {&cells_program, &depth_program}) {
-    if (!use(*program)) return;
-    if (program == &depth_program) program->set(kLargeTexels, lists ? kLarge : 1e30f);
+  for (gpu::Program* program : {&cells_program, lists ? &depth_list_program : &depth_program}) {
+    if (!program->use()) return;
+    program->set(kLastClass, fitted.last_class);
+    program->set(kPerLargest, 1 / fitted.largest_texels);
+    program->set(kCellClasses, std::span<const vec4>(fitted.classes));
+    if (program == &depth_list_program) {
+      program->set(kLargeTexels, kLarge);
+      program->set(kListAt, fitted.count);
+    }
     for (const Part& part : state.parts) {
       if (!part.casts) continue;
       program->set(kShapeShare, part.cast_share);
@@ -113,8 +117,9 @@ void SunMap::splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock
     }
     gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   }
-  if (!lists || !use(discs_program)) return;
-  gpu::dispatchIndirect(cells, 4 * fitted.count);
+  if (!lists || !discs_program.use()) return;
+  discs_program.set(kListAt, fitted.count);
+  gpu::dispatchIndirect(cells, 4 * size_t{fitted.count});
   gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

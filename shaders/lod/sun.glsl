@@ -5,10 +5,12 @@
 // discs with a radius of 2^-k of the largest, to the nearest k; its cells are as much smaller than those of class 0.
 #include "shared/shadow.h"
 
-layout(location = 0) uniform uint cell_texels;      // side of a cell of class 0
-layout(location = 1) uniform uint last_class;       // that of the smallest disc
-layout(location = 2) uniform float largest_texels;  // radius of the largest disc
-layout(location = 3) uniform float shape_share;     // radius of the disc / outer radius
+const uint kCellClasses = 12u;  // the last one's cells are a texel, if the first one's are a whole map
+
+layout(location = 0) uniform uint last_class;       // that of the smallest disc
+layout(location = 1) uniform float per_largest;     // 1 / radius of the largest disc, in texels
+layout(location = 2) uniform float shape_share;     // radius of the disc / outer radius
+layout(location = 5) uniform vec4 cell_classes[kCellClasses];  // cells a texel; cells across; before the first
 
 struct Caster {
   vec2 texel;
@@ -26,18 +28,11 @@ Caster casterOf(SwarmRecord grain) {
   return caster;
 }
 
-uint cellSide(uint size_class) { return max(cell_texels >> size_class, 1u); }
-uint cellsAcross(uint size_class) {
-  uint side = cellSide(size_class);
-  return (uint(shadow_view.size_px.x) + side - 1u) / side;
-}
-
-// A grain of the class of the largest, as all are in a swarm of equals, pays for no other.
 uint sunCell(Caster caster) {
-  float ratio = clamp(largest_texels / caster.radius, 1.0, 4096.0);  // 4096: texels of a map are fewer
-  uint size_class = min(uint(findMSB(uint(2.0 * ratio * ratio))) >> 1u, last_class);
-  uint first = 0u;
-  for (uint k = 0u; k < size_class; ++k) first += cellsAcross(k) * cellsAcross(k);
-  uvec2 cell = uvec2(clamp(caster.texel, vec2(0.0), shadow_view.size_px - 0.5)) / cellSide(size_class);
-  return first + cell.y * cellsAcross(size_class) + cell.x;
+  float share = caster.radius * per_largest;
+  // The exponent of share^2 / 2: 126 for the largest, one less for each 1 / sqrt(2).
+  int halves = 126 - int(floatBitsToUint(0.5 * share * share) >> 23u);
+  vec4 cells_of = cell_classes[min(uint(max(halves, 0)) >> 1u, last_class)];
+  vec2 cell = floor(clamp(caster.texel, vec2(0.0), shadow_view.size_px - 0.5) * cells_of.x);
+  return uint(cell.y * cells_of.y + cell.x + cells_of.z);
 }

@@ -1,4 +1,5 @@
-// The discs of the grains that are nearest to the sun in their cells, into a map of the sun's depth; large ones are listed.
+// The discs of the grains that are nearest to the sun in their cells, into a map of the sun's depth. LIST: large
+// ones are listed; a scene without them does not pay for that.
 #include "lib/swarm.glsl"
 #include "lod/sun.glsl"
 #include "lod/sun_disc.glsl"
@@ -12,7 +13,9 @@ void main() {
   for (uint grain = run * kRunGrains; grain < end; ++grain) {
     Caster caster = casterOf(records[grain]);
     if (caster.key == 0u || cells[sunCell(caster)] != caster.key) continue;
+#ifdef LIST
     if (caster.radius > large_texels && list(caster)) continue;
+#endif
     drawDisc(caster, 0, 1);
   }
 }

@@ -1,7 +1,7 @@
 // Discs into the map of the sun's depth; after lod/sun.glsl. Large ones are listed behind the cells, to be drawn by a
 // work group each: a single invocation would take too long, and software GL ends it after 65,535 rounds of its loops.
-layout(location = 4) uniform float large_texels;  // a larger radius is large
-layout(location = 5) uniform uint list_at;        // in `cells`: the dispatch's work groups, count, discs
+layout(location = 3) uniform float large_texels;  // a larger radius is large
+layout(location = 4) uniform uint list_at;        // in `cells`: the dispatch's work groups, count, discs
 
 const uint kMostListed = 65535u;  // GL's least limit of work groups
 
