@@ -13,14 +13,17 @@
 namespace scree {
 namespace {
 
+constexpr const char* kTiles = "impostors.tiles";
+
 struct Impostors {
   explicit Impostors(App& app) : world(app.world()) {}
 
   World& world;
   gpu::Program visible = visibleProgram({}), small = visibleProgram({"SMALL"});
   gpu::Program counting = visibleProgram({"OVERDRAW 1"}), small_counting = visibleProgram({"SMALL", "OVERDRAW 1"});
-  MarkedTiles tiles{"impostors.tiles"};
+  MarkedTiles tiles{kTiles};
   gpu::Program still = resolveProgram({}), moving = resolveProgram({"MOTION"});
+  gpu::Program empty{{.name = "impostors.empty_tiles", .compute = "lib/empty_tiles.comp"}};
 
   static gpu::Program visibleProgram(std::vector<std::string> defines) {
     std::string name = "impostors.visible";
@@ -71,6 +74,7 @@ struct Impostors {
     // Behind what is nearer than the grain's surface it stays hidden, whatever was drawn since.
     gpu::apply({.depth_func = gpu::Compare::GreaterEqual, .cull = gpu::Cull::None});
     eachPart([this](const SwarmPart&) { tiles.draw(); });
+    if (empty.use()) tiles.empty();
   }
 };
 
@@ -82,6 +86,7 @@ void addImpostors(App& app) {
   const auto needs = [impostors] { return impostors->swarms().mayBe(rules::kImpostor) || impostors->swarms().mayBe(rules::kSmallImpostor); };
   constexpr const char* kNeeds = "a swarm that may be impostors";
   const std::string visible(kSwarmVisible), overdraw(kSwarmOverdraw), depth(kGbufferDepth), lists(kSwarmLists), late_lists(kSwarmLateLists);
+  app.frame().addExternal(kTiles);
 
   app.addPass({.name = "impostors.visible",
                .stage = Stage::Geometry,
@@ -92,9 +97,10 @@ void addImpostors(App& app) {
                         {overdraw, Access::Color},
                         {depth, Access::Depth},
                         {lists, Access::Indirect},
-                        {lists, Access::StorageRead}},
+                        {lists, Access::StorageRead},
+                        {kTiles, Access::StorageWrite}},
                .run = [impostors](PassContext& context) {
-                 impostors->tiles.clear(context.input.size);
+                 impostors->tiles.ready(context.input.size);
                  impostors->drawVisible(context.frame, rules::kFirst);
                }});
   app.addPass({.name = "impostors.visible_late",
@@ -106,14 +112,18 @@ void addImpostors(App& app) {
                         {overdraw, Access::Color},
                         {depth, Access::Depth},
                         {late_lists, Access::Indirect},
-                        {late_lists, Access::StorageRead}},
+                        {late_lists, Access::StorageRead},
+                        {kTiles, Access::StorageWrite}},
                .run = [impostors](PassContext& context) { impostors->drawVisible(context.frame, 0); }});
   app.addPass({.name = "impostors.resolve",
                .stage = Stage::GeometryLate,
                .needs_text = kNeeds,
                .needs = needs,
                .needs_content = {visible},
-               .uses = gbufferUses({{visible, Access::Sampled}}),
+               .uses = gbufferUses({{visible, Access::Sampled},
+                                    {std::string(kSwarmRoutes), Access::StorageRead},
+                                    {kTiles, Access::Indirect},
+                                    {kTiles, Access::StorageWrite}}),
                .run = [impostors](PassContext& context) { impostors->resolve(context); }});
 }
 

@@ -215,20 +215,23 @@ class SwarmsDrawn {
   std::shared_ptr<State> state;
 };
 
-// Tiles of the picture that programs mark with lib/mark_tiles.glsl, and that lib/tiles.vert draws: shared/tiles.h.
+// Tiles of the picture that programs mark with lib/mark_tiles.glsl, and that lib/tiles.vert draws: shared/tiles.h. Passes
+// declare an external resource of theirs for it: StorageWrite where tiles are marked or emptied, Indirect and StorageRead
+// where they are drawn.
 class MarkedTiles {
  public:
   explicit MarkedTiles(std::string label) : label_(std::move(label)) {}
-  // None is marked, of a picture of this size; bound for what marks them.
-  void clear(ivec2 size_px);
+  // For a picture of this size; bound for what marks them. None is marked, if the last frame that marked some emptied them.
+  void ready(ivec2 size_px);
   void bind() const;
   // Binds them and draws the marked ones, with the program in use.
   void draw() const;
+  // Runs the program in use, made of lib/empty_tiles.glsl, a group a tile; not at all if none is marked.
+  void empty() const;
 
  private:
   std::string label_;
   gpu::Buffer marked_;
-  int count_ = 0;
 };
 
 // Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.clear, lod.shadow, lod.meshes (Geometry),

@@ -1,4 +1,4 @@
-// The buffer of marked tiles.
+// The buffer of marked tiles, with the commands that draw and empty them.
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "modules/lod/lod.h"
@@ -7,11 +7,16 @@
 
 namespace scree {
 
-void MarkedTiles::clear(ivec2 size_px) {
+static_assert(sizeof(rules::TileCommands) == 32);
+
+void MarkedTiles::ready(ivec2 size_px) {
   const ivec2 tiles = rules::tileCount(size_px);
-  count_ = tiles.x * tiles.y;
-  gpu::reserve(marked_, label_, sizeof(uint32_t) * static_cast<size_t>(count_));
-  marked_.fill(0);
+  const size_t words = static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y);
+  if (gpu::reserve(marked_, label_, sizeof(rules::TileCommands) + sizeof(uint32_t) * words)) {
+    marked_.fill(0);
+    const rules::TileCommands none{0, 1, 0, 0, {0, 1, 1}, 0};
+    marked_.upload(&none, sizeof(none));
+  }
   bind();
 }
 
@@ -19,7 +24,13 @@ void MarkedTiles::bind() const { marked_.bindStorage(rules::kTilesBinding); }
 
 void MarkedTiles::draw() const {
   bind();
-  gpu::drawVertexless(GL_TRIANGLES, 6 * count_);
+  gpu::drawVertexlessIndirect(GL_TRIANGLES, marked_, 0);
+}
+
+void MarkedTiles::empty() const {
+  gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT);  // who drew them has read the marks
+  bind();
+  gpu::dispatchIndirect(marked_, offsetof(rules::TileCommands, groups));
 }
 
 }  // namespace scree

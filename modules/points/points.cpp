@@ -1,4 +1,4 @@
-// points.depth, points.sum, points.count, points.resolve, and the buffers between them.
+// points.depth, points.sum, points.count, points.resolve, and the buffers between them: all zero between two frames.
 #include "modules/points/points.h"
 
 #include <algorithm>
@@ -19,12 +19,12 @@
 namespace scree {
 namespace {
 
-constexpr const char *kKeys = "points.keys", *kSums = "points.sums";
+constexpr const char *kKeys = "points.keys", *kSums = "points.sums", *kTiles = "points.tiles";
 constexpr int kSurface = 0, kToSun = 1, kLeastArea = 2, kSky = 3, kRadius = 4;  // uniform locations
 void dispatch(const SwarmPart& part) {
   gpu::dispatchIndirect(*part.commands, offsetof(rules::SwarmCommands, point_groups));
 }
-// A pixel is drawn if points cover at least this share of it.
+// A pixel is drawn if points of a bed cover at least this share of it, or a point shows in it.
 constexpr float kLeastShare = 0.5f;
 
 // What a program is compiled for.
@@ -56,10 +56,10 @@ struct Points {
 
   World& world;
   gpu::Buffer keys, sums, carries, ids, surfaces;  // by pixel
-  MarkedTiles tiles{"points.tiles"};
+  MarkedTiles tiles{kTiles};
   gpu::Program depth = programOf("depth", 0);
   gpu::Program count{{.name = "points.count", .compute = "points/sum.comp", .defines = {"OVERDRAW"}}};
-  Programs sum, resolve;
+  Programs sum, resolve, empty;
 
   const SwarmsDrawn& swarms() { return world.singleton<const SwarmsDrawn>(); }
   const GrainShape& shape(size_t part) {
@@ -76,12 +76,9 @@ struct Points {
     if (!programs[set]) programs[set] = programOf(name, set);
     return *programs[set];
   }
-  // The buffer of `words` a pixel, bound; emptied if it is new, or not by those who read it.
-  enum class EmptiedBy { Reader, Us };
-  static void ready(gpu::Buffer& buffer, const char* label, size_t words, int binding, ivec2 size, EmptiedBy by) {
-    const bool fresh =
-        gpu::reserve(buffer, label, 4 * words * static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
-    if (fresh || by == EmptiedBy::Us) buffer.fill(0);
+  // The buffer of `words` a pixel, bound.
+  static void ready(gpu::Buffer& buffer, const char* label, size_t words, int binding, ivec2 size) {
+    if (gpu::reserve(buffer, label, 4 * words * static_cast<size_t>(size.x) * static_cast<size_t>(size.y))) buffer.fill(0);
     buffer.bindStorage(static_cast<unsigned>(binding));
   }
   // Calls each(part) with its grains bound.
@@ -97,19 +94,19 @@ struct Points {
 
 void splatDepth(Points& points, ivec2 size) {
   if (!points.depth.use()) return;
-  Points::ready(points.keys, kKeys, 1, rules::kPointKeysBinding, size, Points::EmptiedBy::Us);
-  points.tiles.clear(size);
+  Points::ready(points.keys, kKeys, 1, rules::kPointKeysBinding, size);
+  points.tiles.ready(size);
   points.eachPart([](const SwarmPart& part) { dispatch(part); });
 }
 
 void splatSums(Points& points, ivec2 size, unsigned features) {
   features &= kIds | kSurfaces;
   if (!Points::made(points.sum, "sum", features).use()) return;
-  Points::ready(points.sums, kSums, 4, rules::kPointSumsBinding, size, Points::EmptiedBy::Reader);
-  Points::ready(points.carries, "points.carries", 1, rules::kPointCarriesBinding, size, Points::EmptiedBy::Reader);
-  if ((features & kIds) != 0) Points::ready(points.ids, "points.ids", 1, rules::kPointIdsBinding, size, Points::EmptiedBy::Us);
+  Points::ready(points.sums, kSums, 4, rules::kPointSumsBinding, size);
+  Points::ready(points.carries, "points.carries", 1, rules::kPointCarriesBinding, size);
+  if ((features & kIds) != 0) Points::ready(points.ids, "points.ids", 1, rules::kPointIdsBinding, size);
   if ((features & kSurfaces) != 0)
-    Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size, Points::EmptiedBy::Reader);
+    Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size);
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.eachPart([](const SwarmPart& part) { dispatch(part); });
 }
@@ -149,6 +146,7 @@ void resolve(Points& points, unsigned features) {
   if ((features & kSurfaces) != 0) points.surfaces.bindStorage(rules::kPointSurfacesBinding);
   gpu::apply({.cull = gpu::Cull::None});
   points.tiles.draw();
+  if (Points::made(points.empty, "empty", features & kIds).use()) points.tiles.empty();
 }
 
 }  // namespace
@@ -159,13 +157,17 @@ void addPoints(App& app) {
   constexpr const char* kNeeds = "a swarm that may be points";
   app.frame().addExternal(kKeys);
   app.frame().addExternal(kSums);
+  app.frame().addExternal(kTiles);
 
   app.addPass({.name = "points.depth",
                .stage = Stage::GeometryLate,
                .needs_text = kNeeds,
                .needs = needs,
                .needs_content = {std::string(kSwarmLists)},
-               .uses = {{std::string(kSwarmRoutes), Access::StorageRead}, {std::string(kSwarmLists), Access::Indirect}, {kKeys, Access::StorageWrite}},
+               .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
+                        {std::string(kSwarmLists), Access::Indirect},
+                        {kKeys, Access::StorageWrite},
+                        {kTiles, Access::StorageWrite}},
                .run = [points](PassContext& context) { splatDepth(*points, context.input.size); }});
   app.addPass({.name = "points.sum",
                .stage = Stage::GeometryLate,
@@ -173,7 +175,8 @@ void addPoints(App& app) {
                .needs = needs,
                .needs_content = {kKeys},
                .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
-                        {kKeys, Access::StorageRead},
+                        {std::string(kSwarmLists), Access::Indirect},
+                        {kKeys, Access::StorageWrite},
                         {kSums, Access::StorageWrite}},
                .run = [points](PassContext& context) {
                  splatSums(*points, context.input.size, points->features(context.frame));
@@ -184,6 +187,7 @@ void addPoints(App& app) {
                .needs = needs,
                .needs_content = {kKeys},
                .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
+                        {std::string(kSwarmLists), Access::Indirect},
                         {kKeys, Access::StorageRead},
                         {std::string(kPointOverdraw), Access::StorageWrite}},
                .run = [points](PassContext& context) { count(*points, context.frame.texture(kPointOverdraw)); }});
@@ -192,7 +196,10 @@ void addPoints(App& app) {
                .needs_text = kNeeds,
                .needs = needs,
                .needs_content = {kSums},
-               .uses = gbufferUses({{kKeys, Access::StorageRead}, {kSums, Access::StorageRead}}),
+               .uses = gbufferUses({{kKeys, Access::StorageWrite},
+                                    {kSums, Access::StorageWrite},
+                                    {kTiles, Access::Indirect},
+                                    {kTiles, Access::StorageWrite}}),
                .run = [points](PassContext& context) { resolve(*points, points->features(context.frame)); }});
 }
 

@@ -3,7 +3,10 @@
 #include "shared/tiles.h"
 #include "shared/view.h"
 
-layout(std430, binding = kTilesBinding) buffer Tiles { uint marked[]; };
+layout(std430, binding = kTilesBinding) buffer Tiles {
+  TileCommands tile_commands;
+  uint marked[];
+};
 
 // Pixels first_px to last_px; what lies beyond the picture is left out.
 void markTiles(ivec2 first_px, ivec2 last_px) {
@@ -14,6 +17,11 @@ void markTiles(ivec2 first_px, ivec2 last_px) {
   for (int y = first.y; y <= last.y; ++y)
     for (int x = first.x; x <= last.x; ++x) {
       int at = y * columns.x + x;
-      if (marked[at] == 0u) marked[at] = 1u;
+      if (marked[at] != 0u) continue;
+      marked[at] = 1u;
+      // The same by all who write it.
+      uint tiles = uint(columns.x * columns.y);
+      tile_commands.vertices = 6u * tiles;
+      tile_commands.groups[0] = tiles;
     }
 }

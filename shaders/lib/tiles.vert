@@ -3,7 +3,10 @@
 #include "shared/tiles.h"
 #include "shared/view.h"
 
-layout(std430, binding = kTilesBinding) readonly buffer Tiles { uint marked[]; };
+layout(std430, binding = kTilesBinding) readonly buffer Tiles {
+  TileCommands tile_commands;
+  uint marked[];
+};
 
 out vec3 ray;
 

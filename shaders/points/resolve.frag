@@ -34,7 +34,7 @@ vec2 changeAround(ivec2 pixel, float inverse) {
   float most = kMostSlope / view.pixels_at_1m * inverse;
   for (int k = 0; k < 9; ++k) {
     ivec2 offset = ivec2(k % 3 - 1, k / 3 - 1);
-    float change = uintBitsToFloat(keys[at(pixel + offset)]) - inverse;
+    float change = uintBitsToFloat(keys[at(pixel + offset)] & ~kPointMark) - inverse;
     if (abs(change) > most) continue;  // none, or of another surface
     sum += vec2(offset) * change;
     weight += vec2(offset * offset);
@@ -63,19 +63,23 @@ void main() {
   if (stored.w != 0u || carry != 0u) surfaces[here] = uvec2(0u);
 #endif
   float area = sum.w / kPointAreaSteps;
-  if (area < least_area) discard;
-  uint key = keys[here];
-  uint id_at = here;
-  // No point has its centre in this pixel: those around it cover it.
-  if (key == 0u)
-    for (int k = 0; k < 9; ++k) {
-      uint there = at(pixel + ivec2(k % 3 - 1, k / 3 - 1));
-      if (keys[there] > key) {
-        key = keys[there];
+  bool shows = (keys[here] & kPointMark) != 0u;
+  if (!shows && area < least_area) discard;
+  uint own_key = keys[here] & ~kPointMark, key = own_key, id_at = here;
+  int centers = 0;
+  ivec2 first = max(pixel - 1, ivec2(0)), last = min(pixel + 1, ivec2(view.size_px) - 1);
+  for (int y = first.y; y <= last.y; ++y)
+    for (int x = first.x; x <= last.x; ++x) {
+      uint there = at(ivec2(x, y)), other = keys[there] & ~kPointMark;
+      if (other != 0u) ++centers;
+      // No point has its centre in this pixel: those around it cover it.
+      if (own_key == 0u && other > key) {
+        key = other;
         id_at = there;
       }
     }
-  if (key == 0u) discard;
+  bool lone = centers <= kLonePoints;
+  if (key == 0u || (lone && !shows && area < kLoneArea)) discard;
   float foremost = uintBitsToFloat(key);
   vec2 change = changeAround(pixel, foremost);
   float inverse = middleInverse(foremost, change, radius * view.pixels_at_1m * foremost);
@@ -92,7 +96,7 @@ void main() {
   s.metallic = look.y;
   vec3 to_eye = -normalize(ray);
   vec3 up = surfaceNormal(foremost, change);
-  vec3 shares = bedShares(bedSteepness(dot(to_eye, up), kBedPacking * min(area, 1.0)));
+  vec3 shares = bedShares(bedSteepness(dot(to_eye, up), lone ? 0.0 : kBedPacking * min(area, 1.0)));
   float base = dot(s.albedo, kLuminance);
   BedSurface flat_surface = bedSurface(to_eye, to_sun, up, shares, base, mix(kDielectricF0, base, look.y), look.x, look.y, sky);
   s.normal_ws = flat_surface.normal;

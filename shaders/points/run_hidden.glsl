@@ -40,7 +40,7 @@ bool allNearer(RunSeen seen, uint key) {
   int stride = int(view.size_px.x), at = seen.first.y * stride + seen.first.x, end = at + size.y * stride;
   bool nearer = true;
   for (int x = 0; nearer && at < end;) {
-    nearer = keys[at + x] >= key;
+    nearer = (keys[at + x] & ~kPointMark) >= key;
     if (++x == size.x) x = 0, at += stride;
   }
   return nearer;

@@ -1,9 +1,9 @@
-// What the points that are not hidden add to the pixels around them: area, and colour times area. IDS: the
-// foremost point's id. SURFACES: roughness and metalness times area, where swarms differ in them. OVERDRAW: nothing
-// of that, but how many are added.
+// What the points that are not hidden add to the pixels around them: area, and colour times area; and the mark of those
+// in which they show. IDS: the foremost point's id. SURFACES: roughness and metalness times area, where swarms differ in
+// them. OVERDRAW: nothing of that, but how many are added.
 #include "shared/points.h"
 
-layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
+layout(std430, binding = kPointKeysBinding) buffer Keys { uint keys[]; };
 #ifdef OVERDRAW
 layout(r32ui, binding = kOverdrawImage) uniform uimage2D overdraw;
 #endif
@@ -25,9 +25,10 @@ uint carryOf(uint at, uint value, uint one) {
   return before + value < before ? one : 0u;
 }
 
-void add(ivec2 pixel, float area, vec3 color, vec2 surface) {
+void add(ivec2 pixel, float area, vec3 color, vec2 surface, bool shows) {
   if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(view.size_px)))) return;
   uint steps = uint(area * kPointAreaSteps + 0.5);
+  if (shows) steps = max(steps, 1u);  // it has a colour
   if (steps == 0u) return;
 #ifdef OVERDRAW
   imageAtomicAdd(overdraw, pixel, 1u);
@@ -37,6 +38,7 @@ void add(ivec2 pixel, float area, vec3 color, vec2 surface) {
   uint carry = carryOf(at, code.r, 1u) + carryOf(at + 1u, code.g, 1u << 10u) + carryOf(at + 2u, code.b, 1u << 20u) +
                carryOf(at + 3u, steps, 1u << 30u);
   if (carry != 0u) atomicAdd(carries[pixel_at], carry);
+  if (shows && (keys[pixel_at] & kPointMark) == 0u) atomicOr(keys[pixel_at], kPointMark);
 #ifdef SURFACES
   uvec2 surface_code = uvec2(surface * 255.0 + 0.5) * steps;
   atomicAdd(surfaces[2u * pixel_at], surface_code.x);
@@ -62,7 +64,7 @@ void main() {
       if (seen.along == 0.0) continue;
       uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
       float pixel_m = seen.along / view.pixels_at_1m;
-      if (seen.front > alongOf(keys[at]) + pointBand(seen.radius, pixel_m)) continue;
+      if (seen.front > alongOf(keys[at] & ~kPointMark) + pointBand(seen.radius, pixel_m)) continue;
       if (k < 32u) visible.x |= 1u << k;
       else visible.y |= 1u << (k - 32u);
     }
@@ -75,17 +77,19 @@ void main() {
     Seen seen = seenOf(record);
 #ifdef IDS
     uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
-    if (pointKey(seen.front) == keys[at]) atomicMax(ids[at], idOf(grain));
+    if (pointKey(seen.front) == (keys[at] & ~kPointMark)) atomicMax(ids[at], idOf(grain));
 #endif
     float radius_px = min(seen.radius * swarm.albedo.a / (seen.along / view.pixels_at_1m), kLargestPointPx);
     vec2 corner = seen.pixel_px - 0.5;
     ivec2 base = ivec2(floor(corner));
-    vec4 shares = pointShares(corner - vec2(base)) * (3.14159265 * radius_px * radius_px);
+    vec2 fraction = corner - vec2(base);
+    float area = 3.14159265 * radius_px * radius_px;
+    vec4 shares = pointShares(fraction) * area;
+    // Not the number by which it became a point: those of one size have that in common.
+    uint pixels = pointPixels(area, ownShare(record.look ^ 0x68bc21ebu, record.size));
     vec3 color = tintOf(record.look) * swarm.albedo.rgb;
     vec2 surface = vec2(roughnessOf(record.look) * swarm.roughness, swarm.metallic);
-    add(base, shares.x, color, surface);
-    add(base + ivec2(1, 0), shares.y, color, surface);
-    add(base + ivec2(0, 1), shares.z, color, surface);
-    add(base + ivec2(1, 1), shares.w, color, surface);
+    for (uint k = 0u; k < 4u; ++k)
+      add(base + ivec2(k & 1u, k >> 1u), shares[k], color, surface, pointRank(fraction, k) < pixels);
   }
 }

@@ -23,6 +23,24 @@ const float kMeanFront = 2.0f / 3.0f;
 RULE uint pointKey(float along) { return floatBitsToUint(1.0f / max(along, 1e-30f)); }
 RULE float alongOf(uint key) { return 1.0f / uintBitsToFloat(key); }
 
+// The bit of a pixel's key that says that some grain shows there, however little it covers: no distance has it. A grain
+// shows in as many of the 2 x 2 pixels around its centre as its area is, in the mean over grains, the nearest first, and
+// of how many it is stays the same wherever it moves: one that is alone neither vanishes nor blinks.
+const uint kPointMark = 1u << 31u;
+// `own`: a number of the grain's own, [0, 1).
+RULE uint pointPixels(float area, float own) { return uint(area + own); }
+// How many of the 2 x 2 pixels are nearer to the centre than this one, x + 2 y from the lower left one.
+RULE uint pointRank(vec2 fraction, uint pixel) {
+  uint x = fraction.x < 0.5f ? 0u : 1u, y = fraction.y < 0.5f ? 0u : 1u;
+  bool other_x = (pixel & 1u) != x, other_y = pixel >> 1u != y;
+  bool x_first = abs(fraction.x - 0.5f) <= abs(fraction.y - 0.5f);
+  return other_x && other_y ? 3u : other_x ? (x_first ? 1u : 2u) : other_y ? (x_first ? 2u : 1u) : 0u;
+}
+// A pixel with at most this many centres in the 3 x 3 pixels around, and less than this area, is not of a bed: it shows
+// only if it is marked. More area than that in a pixel without a mark is not of one grain.
+const int kLonePoints = 2;
+const float kLoneArea = 1.0f;
+
 // How far behind the foremost grain of its pixel one may be and still be seen: what lies between the grains of
 // a surface, and how far a surface seen at 45 degrees recedes within a pixel. m.
 RULE float pointBand(float radius, float pixel_m) { return 2.5f * radius + pixel_m; }

@@ -1,10 +1,21 @@
-// Square tiles of the picture, marked by programs that draw into them and drawn by those that follow: what
-// nothing was drawn in costs nothing.
+// Square tiles of the picture, marked by programs that draw into them, drawn and emptied by those that follow: what
+// nothing was drawn in costs nothing, and where nothing was drawn at all, nothing runs.
 #pragma once
 #include "shared/prelude.h"
 RULES_BEGIN
 
 const int kTilePx = 32;
+
+// std430, before the marks: what draws the tiles and what empties them; nothing of both until a tile is marked.
+struct TileCommands {
+  uint vertices;  // six a tile
+  uint instances;
+  uint first;
+  uint base_instance;
+  uint groups[3];  // a tile each
+  uint unused;
+};
+
 RULE ivec2 tileCount(ivec2 size_px) { return (size_px + (kTilePx - 1)) / kTilePx; }
 
 // Corner 0 to 5 of a tile's two triangles, pixels.

@@ -5,6 +5,7 @@
 
 #include "modules/impostors/impostors.h"
 #include "tests/lod/swarm_scene.h"
+#include "tests/points/gpu_work.h"
 
 namespace scree::test {
 namespace {
@@ -12,7 +13,9 @@ namespace {
 class ImpostorsDrawn : public GlTest {};
 
 struct BeanScene : SwarmScene {
-  explicit BeanScene(ivec2 output = {320, 200}) : SwarmScene(output) { addImpostors(app); }
+  explicit BeanScene(ivec2 output = {320, 200}, bool impostors = true) : SwarmScene(output) {
+    if (impostors) addImpostors(app);
+  }
   uint32_t addBean() {
     Result<uint32_t> shape = loadGrainShape(world, std::string(SCREE_SOURCE_DIR) + "/content/models/coffee_bean.glb",
                                             {.edge = 6, .texels = 64, .directions = 2},
@@ -144,6 +147,25 @@ TEST_F(ImpostorsDrawn, OddPlacesAreFinite) {
     for (const vec3& r : scene.radiance()) ASSERT_TRUE(std::isfinite(r.x + r.y + r.z));
   }
   EXPECT_GT(covered(scene.ids()), 2000);
+}
+
+// At the default settings, what is near costs no work of impostors; neither does it once impostors have been drawn.
+TEST_F(ImpostorsDrawn, NearGrainsNeedNoImpostorWork) {
+  const std::vector<SwarmGrain> grains = cloud(100, 1, 0.1f, 0.2f);
+  const auto lookFrom = [](SwarmScene& scene, double distance) {
+    scene.look({0, 0, distance}, {0, 0, 0});
+    for (int frame = 0; frame < 3; ++frame) scene.render();
+    return workOf([&] { scene.render(); });
+  };
+  BeanScene without({160, 120}, false), with({160, 120});
+  without.show(without.addBean(), grains);
+  with.show(with.addBean(), grains);
+  const GpuWork near_without = lookFrom(without, 0.8), far_without = lookFrom(without, 12);
+  EXPECT_EQ(lookFrom(with, 0.8), near_without);
+  const GpuWork far = lookFrom(with, 12);
+  EXPECT_GT(far.fragments, far_without.fragments);
+  EXPECT_GT(far.vertices, far_without.vertices);
+  EXPECT_EQ(lookFrom(with, 0.8), near_without);
 }
 
 TEST_F(ImpostorsDrawn, NearMeshesNeedNoImpostorWork) {

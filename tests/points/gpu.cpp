@@ -7,6 +7,7 @@
 #include "engine/gpu/counters.h"
 #include "shaders/shared/gbuffer.h"
 #include "tests/points/bed.h"
+#include "tests/points/gpu_work.h"
 
 namespace scree::test {
 namespace {
@@ -36,7 +37,7 @@ struct HeapScene : PointScene {
 };
 
 TEST_F(Points, CoverABedAndNothingBeside) {
-  for (const float radius : {0.6f, 0.3f, 0.15f}) {
+  for (const float radius : {0.82f, 0.6f, 0.3f, 0.15f}) {
     HeapScene scene(radius);
     scene.render();
     const std::vector<uint32_t> ids = scene.ids();
@@ -244,6 +245,27 @@ TEST_F(Points, SwarmsOfTwoMaterialsMix) {
   const std::vector<float> albedo = scene.floats(kGbufferAlbedo, 4);
   for (int y = 10; y < 22; ++y)
     for (int x = 10; x < 22; ++x) EXPECT_NEAR(albedo[4 * scene.at(x, y) + 3], 0.5f, 0.01f) << x << " " << y;
+}
+
+// At the default settings, what is near costs no work of points; neither does it once points have been drawn.
+TEST_F(Points, NearGrainsNeedNoPointWork) {
+  const std::vector<SwarmGrain> grains = cloud(200, 1, 0.05f, 0.1f);
+  const auto lookFrom = [](SwarmScene& scene, double distance) {
+    scene.look({0, 0, distance}, {0, 0, 0});
+    for (int frame = 0; frame < 3; ++frame) scene.render();
+    return workOf([&] { scene.render(); });
+  };
+  SwarmScene without({96, 64});
+  without.show(without.addShape(), grains);
+  const GpuWork near_without = lookFrom(without, 4), far_without = lookFrom(without, 300);
+  PointScene with({96, 64});
+  with.drawAs(rules::kNotDrawn);
+  with.show(with.addShape(), grains);
+  EXPECT_EQ(lookFrom(with, 4), near_without);
+  const GpuWork far = lookFrom(with, 300);
+  EXPECT_GT(far.fragments, far_without.fragments);
+  EXPECT_GT(far.computed, far_without.computed);
+  EXPECT_EQ(lookFrom(with, 4), near_without);
 }
 
 TEST_F(Points, NoneCostNothing) {

@@ -148,6 +148,28 @@ TEST(Shares, AreThoseOfATentAndMakeOne) {
   }
 }
 
+TEST(Shares, PixelsOfAPointAreItsAreaInTheMeanNearestFirst) {
+  for (const float area : {0.05f, 0.7f, 1.0f, 2.4f, 3.1f}) {
+    double pixels = 0;
+    for (uint64_t k = 0; k < 4000; ++k) {
+      const uint32_t count = rules::pointPixels(area, randomUnit(6, k, 0, 0));
+      EXPECT_LT(std::abs(static_cast<float>(count) - area), 1) << area;
+      pixels += count;
+    }
+    EXPECT_NEAR(pixels / 4000, area, 0.02);
+  }
+  for (uint64_t k = 0; k < 1000; ++k) {
+    const vec2 f(randomUnit(7, k, 0, 0), randomUnit(7, k, 0, 1));
+    const auto away = [&](uint32_t pixel) {
+      return glm::length(f - vec2(static_cast<float>(pixel & 1), static_cast<float>(pixel >> 1)));
+    };
+    uint32_t by_rank[4] = {9, 9, 9, 9};
+    for (uint32_t pixel = 0; pixel < 4; ++pixel) by_rank[rules::pointRank(f, pixel)] = pixel;
+    for (int rank = 0; rank < 4; ++rank) ASSERT_LT(by_rank[rank], 4u) << f.x << " " << f.y;
+    for (int rank = 0; rank < 3; ++rank) EXPECT_LE(away(by_rank[rank]), away(by_rank[rank + 1]) + 1e-6f) << f.x << " " << f.y;
+  }
+}
+
 // Points at random in a pixel of a plane: the foremost, against the middle.
 TEST(Depth, OfTheMiddleFromThatOfTheForemost) {
   for (const int count : {1, 4, 14, 127}) {
