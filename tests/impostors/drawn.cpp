@@ -151,7 +151,7 @@ TEST_F(ImpostorsDrawn, OddPlacesAreFinite) {
 
 // At the default settings, what is near costs no work of impostors; neither does it once impostors have been drawn.
 TEST_F(ImpostorsDrawn, NearGrainsNeedNoImpostorWork) {
-  const std::vector<SwarmGrain> grains = cloud(100, 1, 0.1f, 0.2f);
+  const std::vector<SwarmGrain> grains = cloud(100, 1, 0.9f, 1);
   const auto lookFrom = [](SwarmScene& scene, double distance) {
     scene.look({0, 0, distance}, {0, 0, 0});
     for (int frame = 0; frame < 3; ++frame) scene.render();
@@ -160,12 +160,12 @@ TEST_F(ImpostorsDrawn, NearGrainsNeedNoImpostorWork) {
   BeanScene without({160, 120}, false), with({160, 120});
   without.show(without.addBean(), grains);
   with.show(with.addBean(), grains);
-  const GpuWork near_without = lookFrom(without, 0.8), far_without = lookFrom(without, 12);
-  EXPECT_EQ(lookFrom(with, 0.8), near_without);
-  const GpuWork far = lookFrom(with, 12);
+  const GpuWork near_without = lookFrom(without, 3), far_without = lookFrom(without, 60);
+  EXPECT_EQ(lookFrom(with, 3), near_without);
+  const GpuWork far = lookFrom(with, 60);
   EXPECT_GT(far.fragments, far_without.fragments);
   EXPECT_GT(far.vertices, far_without.vertices);
-  EXPECT_EQ(lookFrom(with, 0.8), near_without);
+  EXPECT_EQ(lookFrom(with, 3), near_without);
 }
 
 TEST_F(ImpostorsDrawn, NearMeshesNeedNoImpostorWork) {
