@@ -108,7 +108,7 @@ TEST_F(LonePoints, KeepTheirLightAsTheySlide) {
     }
   }
   EXPECT_GT(least, 0);
-  EXPECT_LT(most / least, 1.02);
+  EXPECT_LT(most / least, 1.001);
 }
 
 }  // namespace
