@@ -86,10 +86,10 @@ void main() {
   gl_FragDepth = min(view.near_m * inverse, 1.0);
 
   Surface s;
-  s.albedo = sum.rgb / (255.0 * sum.w);
+  s.albedo = sum.rgb / (255.0 * max(sum.w, 1.0));  // a sum too large to hold may read 0
 #ifdef SURFACES
   // So much that these sums, which nothing is carried from, may not hold it: no bed, but grains in each other.
-  vec2 look = sum.w < 4294967295.0 / 255.0 ? vec2(surface_sum) / (255.0 * sum.w) : surface;
+  vec2 look = sum.w < 4294967295.0 / 255.0 ? vec2(surface_sum) / (255.0 * max(sum.w, 1.0)) : surface;
 #else
   vec2 look = surface;
 #endif
