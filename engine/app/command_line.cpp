@@ -122,14 +122,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether there is such a file yet or not.
-bool areSame(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;
-  return fs::equivalent(a, b, ignored) ||
-         fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
-             fs::weakly_canonical(fs::absolute(b, ignored), ignored);
-}
-
 fs::path folderOf(const fs::path& file) {
   return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
@@ -156,11 +148,11 @@ Status checkOutputs(const AppOptions& options) {
     if (output.path.empty()) continue;
     if (Status status = checkOutputPath(output.path, output.flag); !status.ok()) return status;
     for (const Named& other : taken) {
-      if (!other.path.empty() && areSame(other.path, output.path))
+      if (!other.path.empty() && areSameFile(other.path, output.path))
         return Error{fmt::format("{} and {} name the same file '{}'", other.flag, output.flag,
                                  output.path.string())};
     }
-    if (!options.capture.empty() && areSame(options.capture, folderOf(output.path)) &&
+    if (!options.capture.empty() && areSameFile(options.capture, folderOf(output.path)) &&
         isCaptured(output.path.filename().string()))
       return Error{fmt::format("--capture and {} name the same file '{}'", output.flag,
                                output.path.string())};

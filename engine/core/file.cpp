@@ -83,6 +83,13 @@ fs::path behindLink(const fs::path& path) {
   return target;
 }
 
+bool areSameFile(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
+             fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+}
+
 Status checkOutputPath(const fs::path& path, std::string_view what) {
   const auto refuse = [&](std::string_view why) {
     return Error{fmt::format("{}: '{}': {}", what, path.string(), why)};

@@ -42,6 +42,9 @@ Status checkOutputPath(const std::filesystem::path& path, std::string_view what)
 
 // The file behind a link, which need not exist; any other path as it is.
 std::filesystem::path behindLink(const std::filesystem::path& path);
+
+// Whether two paths name one file, be there such a file yet or not.
+bool areSameFile(const std::filesystem::path& a, const std::filesystem::path& b);
 // The temporary path that writeThenRename writes to.
 std::filesystem::path temporaryPath(const std::filesystem::path& path);
 Status renameInto(const std::filesystem::path& temporary, const std::filesystem::path& path);

@@ -228,6 +228,13 @@ bool registerViews(const char* bench, std::vector<std::string> names, DrawView d
   return true;
 }
 
+namespace {
+int refuse(const Status& status) {
+  fmt::print(stderr, "scree_bench: {}\n", status.error());
+  return 2;
+}
+}  // namespace
+
 int runBenches(int argc, const char* const* argv) {
   CLI::App cli(
       "Measures run time against error; exit status 0: all claims hold, 1: not, 2: bad usage",
@@ -263,6 +270,14 @@ int runBenches(int argc, const char* const* argv) {
     fmt::print(stderr, "scree_bench: {}; there are: {}\n",
                name.empty() ? "name a bench" : "no bench '" + name + "'", names);
     return 2;
+  }
+  // Before minutes of measuring.
+  if (!json_path.empty())
+    if (const Status fine = checkOutputPath(json_path, "--json"); !fine.ok()) return refuse(fine);
+  if (!plot_directory.empty()) {
+    std::error_code ignored;
+    std::filesystem::create_directories(plot_directory, ignored);
+    if (const Status fine = checkOutputPath(std::filesystem::path(plot_directory) / "plot.svg", "--plot"); !fine.ok()) return refuse(fine);
   }
   if (!view.empty()) return drawView(chosen->name, view, quick, plot_directory);
   Bench bench(chosen->name, quick);

@@ -1,9 +1,11 @@
 // Misuse ends the program with one line that names what is wrong.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <thread>
 
 #include "engine/core/parallel.h"
+#include "engine/ecs/range.h"
 #include "engine/ecs/schedule.h"
 #include "tests/ecs/components.h"
 
@@ -27,6 +29,13 @@ class Refusals : public ::testing::Test {
   Schedule schedule;
   Entity entity;
 };
+
+TEST(Ranges, LimitsOfFloatsAreAllowed) {
+  EXPECT_EQ(firstFault({{"x", static_cast<double>(0.01f), 0.01, 10}}), "");
+  EXPECT_EQ(firstFault({{"x", static_cast<double>(1e-12f), 1e-12, 1e15}, {"y", static_cast<double>(1e9f), 1e-9, 1e9}}), "");
+  EXPECT_EQ(firstFault({{"x", static_cast<double>(std::nextafter(0.01f, 0.0f)), 0.01, 10}}), "x = 0.01; allowed is 0.01 to 10");
+  EXPECT_NE(firstFault({{"x", std::nan(""), 0, 1}}), "");
+}
 
 TEST_F(Refusals, StructuralChangeWhileIterating) {
   const auto query = world.query<const Position>();

@@ -30,11 +30,35 @@ struct Arguments {
   int threads = 0;
 };
 
+// What --error chooses by.
+Status checkWish(const Arguments& a) {
+  struct Range {
+    const char* flag;
+    double value, least, most;
+  };
+  constexpr double kMostDiameterPx = 1024;  // memory grows with its square: 0.4 GiB
+  for (const Range& r : {Range{"--error", static_cast<double>(a.wish.max_flip), 0, 1},
+                         Range{"--size", static_cast<double>(a.wish.diameter_px), 1, kMostDiameterPx},
+                         Range{"--memory", a.memory_mib, 0, 768}})
+    if (!(r.value >= r.least && r.value <= r.most))
+      return Error{fmt::format("{} {:g}: allowed is {:g} to {:g}", r.flag, r.value, r.least, r.most)};
+  return scree::Done{};
+}
+
+Error sameFile(const char* one, const char* other, const fs::path& path) {
+  return Error{fmt::format("{} and {} name the same file '{}'", one, other, path.string())};
+}
+
 Status checkArguments(Arguments& a) {
   if (a.out.empty()) a.out = fs::path(a.mesh).replace_extension(".impostor");
   if (Status fine = scree::checkParameters(a.parameters); !fine.ok()) return fine;
   if (Status fine = scree::checkOutputPath(a.out, "--out"); !fine.ok()) return fine;
+  if (a.choose)
+    if (Status fine = checkWish(a); !fine.ok()) return fine;
+  if (scree::areSameFile(a.mesh, a.out)) return sameFile("the mesh", "--out", a.out);
   if (a.picture.empty()) return scree::Done{};
+  if (scree::areSameFile(a.mesh, a.picture)) return sameFile("the mesh", "--picture", a.picture);
+  if (scree::areSameFile(a.out, a.picture)) return sameFile("--out", "--picture", a.picture);
   if (Status fine = scree::checkOutputPath(a.picture, "--picture"); !fine.ok()) return fine;
   if (a.picture.extension() != ".png")
     return Error{fmt::format("--picture: '{}': allowed is a .png", a.picture.string())};
@@ -132,8 +156,7 @@ int main(int argc, char** argv) {
       ->add_option("--memory", a.memory_mib,
                    fmt::format("With --error: at most so much, MiB (default {:g})", a.memory_mib))
       ->type_name("MIB")
-      ->needs(error)
-      ->check(CLI::Range(0.0, 768.0));
+      ->needs(error);
   impostor->add_option("--threads", a.threads, "Threads (default 0: one a core)")
       ->type_name("N")
       ->check(CLI::Range(0, 256));
