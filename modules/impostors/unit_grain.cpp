@@ -141,6 +141,14 @@ Result<UnitGrain> unitGrain(const GrainMesh& grain) {
   }
   for (const UnitTriangle& triangle : unit.triangles)
     for (uint32_t v : triangle.v) unit.corners.push_back(unit.positions[v]);
+  // Beside an outer radius of 1; floats leave some to a line.
+  constexpr double kLeastArea = 1e-9;
+  double area = 0;
+  for (size_t k = 0; k + 2 < unit.corners.size(); k += 3)
+    area += 0.5 * glm::length(glm::cross(unit.corners[k + 1] - unit.corners[k], unit.corners[k + 2] - unit.corners[k]));
+  if (!(area > kLeastArea))
+    return Error{fmt::format("grain: its {} triangles have an area of {:g} outer radii squared; nothing of it could be seen",
+                             unit.triangles.size(), area)};
   unit.inner = innerRadius(unit.corners, dvec3(0));
   return unit;
 }
