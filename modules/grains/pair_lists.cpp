@@ -273,7 +273,7 @@ void PairLists::colour(const Grid& grid, uint32_t s) {
       taken_i |= uint64_t{1} << lowest;
       taken_j |= uint64_t{1} << lowest;
       colour[k] = 64 * round + lowest;
-      ++own.colour_end[colour[k]];  // for now, how many they are
+      ++own.colour_end[colour[k]];  // counts first; ends after the sums below
     });
   }
   uint32_t end = 0;

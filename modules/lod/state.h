@@ -98,6 +98,9 @@ using SharedState = std::shared_ptr<SwarmsDrawn::State>;
 // External resource: which grains the last frame showed.
 inline constexpr const char* kSeen = "lod.seen";
 
+// The thresholds that a program routes by.
+void setThresholds(rules::SwarmBlock& block, const LodThresholds& thresholds, float band);
+
 // What the grains of each run have in common.
 void boundRuns(std::span<const rules::SwarmRecord> records, float largest_radius, std::vector<rules::SwarmRun>& runs);
 // From the middles of the first half of the runs to those of the second, m.

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "modules/lod/lod.h"
+#include "modules/lod/state.h"
 
 namespace scree {
 namespace {
@@ -117,6 +117,15 @@ float outlineErrorPx(const GrainShape& shape, uint32_t representation, float siz
   for (const SizeError& e : shape.impostor)
     if (size_px <= e.size_px && near <= kMostNear) return size_px * (e.*outline.share + e.*outline.near * near);
   return -1;
+}
+
+void lod::setThresholds(rules::SwarmBlock& block, const LodThresholds& t, float band) {
+  block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
+  block.point_px = t.point_px;
+  block.impostor_px = t.impostor_px;
+  block.impostor_from_px = t.impostor_from_px;
+  block.small_px = t.small_px;
+  block.band = band;
 }
 
 }  // namespace scree

@@ -149,12 +149,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
                          : knows == Knows::Near  ? rules::kCandidateCellMoving
                                                  : rules::kCandidateCellStill;
   const LodThresholds t = thresholdsOf(shape, settings, view.block.pixels_at_1m);
-  block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
-  block.point_px = t.point_px;
-  block.impostor_px = t.impostor_px;
-  block.impostor_from_px = t.impostor_from_px;
-  block.small_px = t.small_px;
-  block.band = settings.band;
+  setThresholds(block, t, settings.band);
   block.cull = settings.cull ? 1 : 0;
   const bool grains_apart = settings.view == SwarmView::Representation || settings.view == SwarmView::Frozen;
   block.same_id = grains_apart ? 0 : 1;

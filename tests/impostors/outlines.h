@@ -13,6 +13,7 @@
 #include "engine/ecs/world.h"
 #include "modules/impostors/outline.h"
 #include "modules/lod/lod.h"
+#include "modules/lod/state.h"
 #include "tests/impostors/shapes.h"
 
 namespace scree::test {
@@ -62,12 +63,7 @@ inline std::vector<RoutedShape> routedShapes(World& world) {
 
 inline rules::SwarmBlock routingBlock(const LodThresholds& t, float band) {
   rules::SwarmBlock block{};
-  block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
-  block.point_px = t.point_px;
-  block.impostor_px = t.impostor_px;
-  block.impostor_from_px = t.impostor_from_px;
-  block.small_px = t.small_px;
-  block.band = band;
+  lod::setThresholds(block, t, band);
   return block;
 }
 

@@ -10,6 +10,7 @@
 #include "engine/core/random.h"
 #include "engine/assets/nearest_on_triangle.h"
 #include "modules/lod/lod.h"
+#include "modules/lod/state.h"
 #include "modules/lod/order.h"
 #include "modules/lod/surface_distance.h"
 #include "tests/deferred/studio.h"
@@ -123,12 +124,7 @@ TEST(Thresholds, ComeDownWhereThePerspectiveIsStrong) {
 
 rules::SwarmBlock blockOf(const LodThresholds& t, float band) {
   rules::SwarmBlock block{};
-  block.mesh_px = vec4(t.mesh_px[0], t.mesh_px[1], t.mesh_px[2], t.mesh_px[3]);
-  block.point_px = t.point_px;
-  block.impostor_px = t.impostor_px;
-  block.impostor_from_px = t.impostor_from_px;
-  block.small_px = t.small_px;
-  block.band = band;
+  lod::setThresholds(block, t, band);
   return block;
 }
 
