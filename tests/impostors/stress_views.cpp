@@ -48,14 +48,6 @@ struct BeanViews : SwarmScene {
     render();
     return gpu::readUints(app.frame().texture(kSwarmVisible), 1);
   }
-  std::vector<uint32_t> routes() {
-    const auto& part = static_cast<const lod::Part&>(drawn().part(0));
-    const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.routes->representations, (part.count + 7) / 8);
-    std::vector<uint32_t> all(part.count);
-    for (uint32_t k = 0; k < part.count; ++k) all[k] = words[k / 8] >> 4 * (k % 8) & 15;
-    std::replace(all.begin(), all.end(), rules::kHidden, rules::kNotDrawn);
-    return all;
-  }
   // The grains as they are stored: in an order of their own, radii rounded.
   void takeStored() {
     const SwarmStore::Stored& stored = world.singleton<const SwarmStore>().swarm(0);

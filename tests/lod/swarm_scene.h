@@ -1,11 +1,14 @@
 // A scene of a swarm for the tests of what draws grains, and the router's rules run on the CPU.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
 #include "engine/core/random.h"
+#include "engine/gpu/readback.h"
 #include "modules/lod/lod.h"
+#include "modules/lod/state.h"
 #include "modules/occlusion/occlusion.h"
 #include "shaders/shared/candidate.h"
 #include "tests/deferred/studio.h"
@@ -34,6 +37,15 @@ struct SwarmScene : Studio {
     return world.spawn(Transform{.position = origin}, Swarm{swarm});
   }
   SwarmsDrawn& drawn() { return world.singleton<SwarmsDrawn>(); }
+  // How each grain of the first part was drawn; what is hidden was not.
+  std::vector<uint32_t> routes() {
+    const auto& part = static_cast<const lod::Part&>(drawn().part(0));
+    const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.routes->representations, (part.count + 7) / 8);
+    std::vector<uint32_t> all(part.count);
+    for (uint32_t k = 0; k < part.count; ++k) all[k] = words[k / 8] >> 4 * (k % 8) & 15;
+    std::replace(all.begin(), all.end(), rules::kHidden, rules::kNotDrawn);
+    return all;
+  }
 };
 
 inline std::vector<SwarmGrain> cloud(size_t count, float half_extent, float least, float most, uint64_t seed = 1) {

@@ -49,14 +49,6 @@ struct ViewScene : SwarmScene {
   }
   LodSettings& settings() { return world.singleton<LodSettings>(); }
   std::vector<uint8_t> output() { return gpu::readBytes(app.frame().texture(Frame::kOutput), 4); }
-  std::vector<uint32_t> routes() {
-    const auto& part = static_cast<const lod::Part&>(drawn().part(0));
-    const std::vector<uint32_t> words = gpu::readBuffer<uint32_t>(part.routes->representations, (part.count + 7) / 8);
-    std::vector<uint32_t> all(part.count);
-    for (uint32_t k = 0; k < part.count; ++k) all[k] = words[k / 8] >> 4 * (k % 8) & 15;
-    std::replace(all.begin(), all.end(), rules::kHidden, rules::kNotDrawn);
-    return all;
-  }
   // Which grain each pixel shows, + 1.
   std::vector<uint32_t> shown() { return gpu::readUints(app.frame().texture(kSwarmVisible), 1); }
   size_t covered() {
