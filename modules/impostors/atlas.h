@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "engine/core/math.h"
+#include "shaders/shared/ellipsoid.h"
 #include "shaders/shared/impostor.h"
 
 namespace scree {
@@ -90,6 +91,7 @@ struct ImpostorAtlas {
   float outer = 0;   // R: radius of the smallest sphere around the mesh, in the mesh's unit
   float inner = 0;   // r / R: the largest sphere around the same centre inside the mesh; 0: none
   rules::ImpostorProxy proxy{};
+  rules::Ellipsoid bound = rules::unitBall();  // holds the mesh; what an impostor shows outside of it is cut off
   ImpostorErrors errors;
   std::vector<uint8_t> shape, color, normal;
 

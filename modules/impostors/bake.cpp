@@ -8,6 +8,7 @@
 
 #include "engine/core/hash.h"
 #include "engine/core/parallel.h"
+#include "modules/impostors/bounding_ellipsoid.h"
 #include "modules/impostors/cast.h"
 #include "modules/impostors/measure.h"
 #include "modules/impostors/outline.h"
@@ -19,7 +20,7 @@ namespace {
 using namespace impostors;
 
 // Of the bake's rules: raised with every change that makes other bytes of the same mesh.
-constexpr uint64_t kBakeVersion = 3;
+constexpr uint64_t kBakeVersion = 4;
 constexpr double kViewsShare = 0.5, kMeasureShare = 0.4;  // of the progress; bounding outlines takes the rest
 
 Shot shotOf(const vec3& axis, int texels, int supersample) {
@@ -130,7 +131,8 @@ Result<ImpostorAtlas> bake(const GrainMesh& mesh, const BakeParameters& paramete
                       // Rounding keeps the mesh inside the one and outside the other.
                       .outer = static_cast<float>(unit->outer * (1 + 1e-6)),
                       .inner = static_cast<float>(unit->inner * (1 - 4e-6)),
-                      .proxy = proxyOf(unit->corners, 0.5 * (1 + unit->inner))};
+                      .proxy = proxyOf(unit->corners, 0.5 * (1 + unit->inner)),
+                      .bound = boundingEllipsoid(unit->corners)};
   const uint64_t texels = atlas.texelCount();
   atlas.shape.resize(texels * 2);
   atlas.color.resize(texels * 4);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "engine/core/bytes.h"
 #include "engine/core/file.h"
@@ -13,7 +14,7 @@ namespace scree {
 namespace {
 
 constexpr uint64_t kMagic = 0x504d494545524353ull;  // "SCREEIMP"
-constexpr uint32_t kVersion = 3;
+constexpr uint32_t kVersion = 4;
 // Numbers this far from what a grain can have are damage.
 constexpr float kMostUnits = 1e9f;
 
@@ -40,6 +41,8 @@ std::string body(const ImpostorAtlas& a) {
   for (float x : {a.center.x, a.center.y, a.center.z, a.outer, a.inner}) out.number(x);
   for (const vec4& v : {a.proxy.center, a.proxy.diagonal, a.proxy.upper})
     for (int c = 0; c < 3; ++c) out.number(v[c]);
+  for (const vec4& v : {a.bound.center, a.bound.axis_a, a.bound.axis_b, a.bound.axis_c})
+    for (int c = 0; c < 4; ++c) out.number(v[c]);
   out.number(a.errors.directions);
   for (const auto& scheme : a.errors.of)
     for (const ImpostorError& e : scheme)
@@ -52,6 +55,17 @@ std::string body(const ImpostorAtlas& a) {
   return std::move(out.content);
 }
 
+// Axes of lengths that boundingEllipsoid() makes, and what is kept of them.
+bool isBound(const rules::Ellipsoid& e) {
+  for (int c = 0; c < 3; ++c)
+    if (!within(e.center[c], -2, 2)) return false;
+  for (const vec4* axis : {&e.axis_a, &e.axis_b, &e.axis_c}) {
+    const float length2 = glm::dot(vec3(*axis), vec3(*axis));
+    if (!within(length2, 1e-4f, 10) || !within(axis->w * length2, 0.999f, 1.001f)) return false;
+  }
+  return within(e.center.w, 0, 6);
+}
+
 // What is wrong with the numbers; nullptr: nothing.
 const char* fault(const ImpostorAtlas& a) {
   for (int c = 0; c < 3; ++c) {
@@ -60,6 +74,7 @@ const char* fault(const ImpostorAtlas& a) {
     if (!within(a.proxy.diagonal[c], 0.1f, 1e3f)) return "its ellipsoid has no extent";
     if (!within(a.proxy.upper[c], -1e6f, 1e6f)) return "its ellipsoid is no ellipsoid";
   }
+  if (!isBound(a.bound)) return "its bounding ellipsoid is no ellipsoid";
   if (!within(a.outer, 1e-30f, kMostUnits)) return "its outer radius is no length";
   if (!within(a.inner, 0, 1)) return "its inner radius is not between 0 and the outer one";
   if (a.errors.directions > 1024) return "its errors were measured from too many directions";
@@ -117,6 +132,8 @@ Result<ImpostorAtlas> decodeAtlas(std::string_view bytes, std::string_view where
     *v = vec4(0);
     for (int c = 0; c < 3; ++c) (*v)[c] = in.number<float>();
   }
+  for (vec4* v : {&a.bound.center, &a.bound.axis_a, &a.bound.axis_b, &a.bound.axis_c})
+    for (int c = 0; c < 4; ++c) (*v)[c] = in.number<float>();
   a.errors.directions = in.number<uint32_t>();
   for (auto& scheme : a.errors.of)
     for (ImpostorError& e : scheme)

@@ -19,18 +19,16 @@ struct Impostors {
   explicit Impostors(App& app) : world(app.world()) {}
 
   World& world;
-  gpu::Program visible = visibleProgram({}), small = visibleProgram({"SMALL"});
-  gpu::Program counting = visibleProgram({"OVERDRAW 1"}), small_counting = visibleProgram({"SMALL", "OVERDRAW 1"});
+  gpu::Program visible = visibleProgram("visible", {}), counting = visibleProgram("visible", {"OVERDRAW 1"});
+  gpu::Program small = visibleProgram("small", {}), small_counting = visibleProgram("small", {"OVERDRAW 1"});
   MarkedTiles tiles{kTiles};
   gpu::Program still = resolveProgram({}), moving = resolveProgram({"MOTION"});
   gpu::Program empty{{.name = "impostors.empty_tiles", .compute = "lib/empty_tiles.comp"}};
 
-  static gpu::Program visibleProgram(std::vector<std::string> defines) {
-    std::string name = "impostors.visible";
-    for (const std::string& define : defines) name.append("_").append(define, 0, define.find(' '));
-    return gpu::Program({.name = std::move(name),
-                         .vertex = "impostors/visible.vert",
-                         .fragment = "impostors/visible.frag",
+  static gpu::Program visibleProgram(const std::string& what, std::vector<std::string> defines) {
+    return gpu::Program({.name = "impostors." + what + (defines.empty() ? "" : "_counting"),
+                         .vertex = "impostors/" + what + ".vert",
+                         .fragment = "impostors/" + what + ".frag",
                          .defines = std::move(defines)});
   }
   static gpu::Program resolveProgram(std::vector<std::string> defines) {
@@ -57,16 +55,16 @@ struct Impostors {
   void drawVisible(const Frame& frame, uint32_t first) {
     const bool counts = frame.isRead(kSwarmOverdraw);
     // Numbers of grains are whole, and never blended.
-    gpu::apply({.cull = gpu::Cull::None, .blend = counts ? gpu::Blend::Add : gpu::Blend::None});
+    gpu::apply({.cull = gpu::Cull::None, .blend = counts ? gpu::Blend::Add : gpu::Blend::None, .program_point_size = true});
     tiles.bind();
-    const auto draw = [&](gpu::Program& program, uint32_t representation) {
+    const auto draw = [&](gpu::Program& program, unsigned mode, uint32_t representation) {
       if (!swarms().mayBe(representation) || !program.use()) return;
       const size_t command =
           offsetof(rules::SwarmCommands, impostors) + (representation + first) * sizeof(rules::DrawArraysCommand);
-      eachPart([&](const SwarmPart& part) { gpu::drawVertexlessIndirect(GL_TRIANGLES, *part.commands, command); });
+      eachPart([&](const SwarmPart& part) { gpu::drawVertexlessIndirect(mode, *part.commands, command); });
     };
-    draw(counts ? counting : visible, rules::kImpostor);
-    draw(counts ? small_counting : small, rules::kSmallImpostor);
+    draw(counts ? counting : visible, GL_TRIANGLES, rules::kImpostor);
+    draw(counts ? small_counting : small, GL_POINTS, rules::kSmallImpostor);
   }
   void resolve(PassContext& context) {
     if (!(context.frame.isRead(kGbufferMotion) ? moving : still).use()) return;

@@ -86,6 +86,7 @@ Result<uint32_t> addGrainShape(World& world, std::string name, const GrainMesh& 
   shape.center = atlas.center;
   shape.outer_radius = atlas.outer;
   shape.inner_radius = atlas.inner * atlas.outer;
+  shape.bound = atlas.bound;
   std::vector<uint32_t> handles;
   for (MaterialData data : grain.materials) {
     for (TextureUse* use : {&data.base_color_map, &data.metallic_roughness_map, &data.normal_map, &data.emissive_map})

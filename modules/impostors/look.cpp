@@ -42,7 +42,7 @@ class Look {
   // middle.
   float coverage(vec2 at) {
     const rules::ImpostorRay ray{scene_.right * at.x + scene_.up * at.y, -scene_.axis};
-    if (glm::dot(at, at) > 1) return 0;
+    if (rules::missesEllipsoid(atlas_.bound, ray.foot, ray.direction)) return 0;
     float sum = 0;
     vec3 shared(0);
     if (scheme_ == ImpostorScheme::Spherical) shared = rules::impostorOnSphere(ray, radius_);

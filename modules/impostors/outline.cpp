@@ -127,17 +127,17 @@ OutlineMask impostorOutline(const ImpostorAtlas& atlas, const OutlineView& view,
   const vec3 axes[3] = {views.axis0, views.axis1, views.axis2};
   const float extent = rules::impostorExtent(atlas.texels), near = view.nearness;
   level = std::clamp(level, 0, atlas.levels() - 1);
+  const rules::Ellipsoid bound = near * rules::kLeastEllipsoidEye > 1 ? rules::unitBall() : atlas.bound;
   const int nearest = views.weight.x >= std::max(views.weight.y, views.weight.z) ? 0 : views.weight.y >= views.weight.z ? 1 : 2;
   fill(mask, [&](float x, float y) {
     // The ray through this point of the plane, and the point itself, a unit towards the eye being `near` of its distance.
     const vec3 point = view.right * x + view.up * y;
+    // As if all rays were parallel.
+    if (small)
+      return !rules::missesEllipsoid(atlas.bound, point, view.axis) &&
+             sampleShape(atlas, level, layers[nearest], rules::impostorUv(point, axes[nearest], extent)).x >= 0.5f;
     const rules::ImpostorRay ray = rules::impostorRay(point, point * near - view.axis);
-    if (glm::dot(ray.foot, ray.foot) > 1) return false;
-    if (small) {
-      // On the disc of the sphere's silhouette, which lies nearer.
-      const vec3 on_disc = point * (1 - near * near) + view.axis * near;
-      return sampleShape(atlas, level, layers[nearest], rules::impostorUv(on_disc, axes[nearest], extent)).x >= 0.5f;
-    }
+    if (rules::missesEllipsoid(bound, ray.foot, ray.direction)) return false;
     const vec3 seen = rules::impostorOnProxy(ray, atlas.proxy);
     float coverage = 0;
     for (int k = 0; k < 3; ++k)

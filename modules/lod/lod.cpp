@@ -18,6 +18,7 @@ void SwarmsDrawn::bind(size_t index) const {
   part.late.bindUniform(rules::kPassBinding);
   part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
   part.chunk->runs.bindStorage(rules::kSwarmRunsBinding);
+  part.routes->order.bindStorage(rules::kSwarmOrderBinding);
   part.routes->representations.bindStorage(rules::kSwarmRepresentationsBinding);
   part.routes->seen.bindStorage(rules::kSwarmSeenBinding);
   part.routes->list.bindStorage(rules::kSwarmListBinding);

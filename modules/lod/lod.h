@@ -48,6 +48,7 @@ struct GrainShape {
   vec3 center{0};
   float outer_radius = 1;  // of the sphere around the whole mesh
   float inner_radius = 0;  // of that within it; both about `center`
+  rules::Ellipsoid bound = rules::unitBall();  // the whole mesh lies in it; lengths are outer radii, from `center`
   struct Level {
     uint32_t mesh = 0;  // of the MeshStore; up to rules::kMeshParts parts, the same materials in all levels
     float error = 0;    // largest distance to the finest level / outer radius

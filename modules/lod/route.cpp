@@ -23,6 +23,7 @@ void bindPart(const Part& part, const gpu::StreamSlice& block) {
   block.bindUniform(rules::kPassBinding);
   part.chunk->records.bindStorage(rules::kSwarmRecordsBinding);
   part.chunk->runs.bindStorage(rules::kSwarmRunsBinding);
+  part.routes->order.bindStorage(rules::kSwarmOrderBinding);
   part.routes->representations.bindStorage(rules::kSwarmRepresentationsBinding);
   part.routes->seen.bindStorage(rules::kSwarmSeenBinding);
   part.routes->counts.bindStorage(rules::kSwarmCountsBinding);

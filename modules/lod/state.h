@@ -18,18 +18,23 @@ namespace scree::lod {
 struct Chunk {
   gpu::Buffer records, runs;
   uint32_t count = 0;
-  vec3 drift{0};  // m; from the first half of the grains to the second, between their middles
+  std::vector<vec3> middles;  // of the runs' boxes, relative to the swarm's origin, m
+  float run_size = 1;         // mean side of these, m
 };
 
 // How the grains of a chunk are drawn, where one entity has them.
 struct Routes {
   gpu::Buffer representations, seen, counts, prefix, list, commands;
+  gpu::Buffer order;  // the runs, the nearest first
+  vec3 ordered_from{0};  // where the eye was then, relative to the swarm's origin, m
+  float nearest = 0;     // and how far from the nearest run, m
+  uint64_t ordered_version = 0;  // of the grains; 0: never
   uint32_t count = 0;  // grains
 };
 
 // A swarm on the GPU; what is not drawn in a frame is given back.
 struct Resident {
-  uint64_t version = 0;
+  uint64_t version = 0;  // above 0
   bool drawn = false;
   std::vector<Chunk> chunks;
 };
@@ -53,6 +58,12 @@ struct Part : SwarmPart {
   float cast_share = 1;  // of a ball with the shape's mean shadow, radius / outer radius
 };
 
+// Room to sort in.
+struct RunOrder {
+  std::vector<uint64_t> keys;
+  std::vector<uint32_t> order;
+};
+
 // What a swarm's shadow depends on.
 struct CasterSeen {
   uint32_t swarm = 0;
@@ -71,6 +82,7 @@ struct SwarmsDrawn::State {
   World& world;
   Query<const Swarm, const Transform> swarms;
   std::vector<rules::SwarmRun> runs_scratch;
+  lod::RunOrder order_scratch;
   std::vector<lod::Resident> resident;  // by swarm
   std::vector<lod::Placement> placements;
   std::vector<lod::Part> parts;         // of this frame
@@ -103,8 +115,11 @@ void setThresholds(rules::SwarmBlock& block, const LodThresholds& thresholds, fl
 
 // What the grains of each run have in common.
 void boundRuns(std::span<const rules::SwarmRecord> records, float largest_radius, std::vector<rules::SwarmRun>& runs);
-// From the middles of the first half of the runs to those of the second, m.
-vec3 driftOf(std::span<const rules::SwarmRun> runs);
+// Notes where the runs are.
+void placeRuns(Chunk& chunk, std::span<const rules::SwarmRun> runs);
+// Brings the runs into the order of their distance from an eye (relative to the swarm's origin, m), if it has moved so
+// far since that this would show, or the grains have: near grains that are drawn first spare the work of what they hide.
+void orderRuns(const Chunk& chunk, uint64_t version, Routes& routes, const vec3& eye, RunOrder& scratch);
 
 SystemDesc uploadSystem(const SharedState& state);
 PassDesc classifyPass(const SharedState& state);

@@ -13,7 +13,7 @@
 namespace scree::lod {
 namespace {
 
-static_assert(sizeof(rules::SwarmRecord) == 24 && sizeof(rules::SwarmBlock) == 144 && sizeof(rules::SwarmRun) == 32);
+static_assert(sizeof(rules::SwarmRecord) == 24 && sizeof(rules::SwarmBlock) == 208 && sizeof(rules::SwarmRun) == 32);
 
 uint32_t runsOf(uint32_t count) { return (count + rules::kRunGrains - 1) / rules::kRunGrains; }
 
@@ -35,7 +35,7 @@ Chunk chunkOf(std::span<const rules::SwarmRecord> records, std::span<const rules
   chunk.count = static_cast<uint32_t>(records.size());
   chunk.records = gpu::Buffer("lod.records", records);
   chunk.runs = gpu::Buffer("lod.runs", bounds);
-  chunk.drift = driftOf(bounds);
+  placeRuns(chunk, bounds);
   return chunk;
 }
 
@@ -68,7 +68,7 @@ void makeResident(Resident& resident, const SwarmStore::Stored& stored, std::vec
       chunk = chunkOf(records, bounds);
       continue;
     }
-    chunk.drift = driftOf(bounds);
+    placeRuns(chunk, bounds);
     chunk.records.upload(records);
     chunk.runs.upload(bounds);
   }
@@ -141,6 +141,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.previous_origin = vec4(vec3(placed.previous_origin - view.previous_position), shape.inner_radius / shape.outer_radius);
   block.center_scale = vec4(shape.center, 1 / shape.outer_radius);
   block.albedo = vec4(shape.albedo, shape.cast_share);
+  block.bound = shape.bound;
   block.roughness = shape.roughness;
   block.metallic = shape.metallic;
   const vec3 middle = vec3(block.origin) + 0.5f * (stored.min + stored.max);
@@ -155,12 +156,12 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.same_id = grains_apart ? 0 : 1;
   for (size_t k = 0; k < placed.resident->chunks.size(); ++k) {
     const Chunk& chunk = placed.resident->chunks[k];
-    const Routes& routes = placed.placement->routes[k];
+    Routes& routes = placed.placement->routes[k];
     block.count = chunk.count;
     block.first = static_cast<uint32_t>(state.grain_count);
     block.first_id = grains_apart ? rules::kGrainIdBit | (block.first + 1) : placed.placement->entity.index + 1;
     block.run_count = runsOf(chunk.count);
-    block.last_first = glm::dot(chunk.drift, view.rotation * vec3(0, 0, -1)) < 0 ? 1 : 0;
+    orderRuns(chunk, placed.resident->version, routes, -vec3(block.origin), state.order_scratch);
     Part part;
     part.shape = stored.shape;
     part.first = block.first;

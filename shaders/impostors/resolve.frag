@@ -49,12 +49,12 @@ void main() {
     sum += w;
   }
   float share = 1.0 / sum;
-  // On the ray, in units of it: at the surface, and on the disc by which visibility was decided, behind which
-  // nothing is put.
+  // On the ray, in units of it: at the surface, and where visibility was decided, behind which nothing is put.
   vec3 surface = seen + local.direction * (step * share);
   float along = dot(center, ray) * inverse + dot(surface - local.foot, local.direction) * radius * sqrt(inverse);
   float distance2 = dot(center, center);
-  float disc = (distance2 - radius * radius) / dot(ray, center);
+  float disc = route == kSmallImpostor ? (view.clip_from_relative * vec4(center, 1.0)).w
+                                       : (distance2 - radius * radius) / dot(ray, center);
   along = clamp(along, view.near_m, disc * (1.0 - kDiscMargin));
   gl_FragDepth = view.near_m / along;
 

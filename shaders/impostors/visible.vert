@@ -1,23 +1,16 @@
-// The triangle around the silhouette disc of each listed grain's outer sphere, and which views it shows. SMALL: the
-// nearest view alone, as if all rays were parallel.
+// The triangle around the silhouette of each listed grain's ellipsoid, and which views it shows.
 #define SWARM_LISTED
 #include "lib/mark_tiles.glsl"
 #include "lib/swarm.glsl"
 #include "impostors/atlas.glsl"
-#include "shared/sphere.h"
 
-out vec2 on_disc;
-#ifdef SMALL
-out vec2 uv;
-flat out vec2 layer_level;
-#else
-out vec3 point;        // on the disc, grain's space
+out vec3 on_disc;
+out vec3 point;        // grain's space
 flat out vec3 eye;     // grain's space
 flat out vec3 weight;
 flat out uvec3 layer;
 flat out vec3 right[3], up[3];  // a point's place in the views' images, from their middle
 flat out float level;
-#endif
 flat out uint number;  // over all that is drawn, + 1
 
 // Pixels around which the box around the sphere may show.
@@ -37,29 +30,21 @@ void markSphere(vec3 center, float radius) {
 
 void main() {
   uint grain = list[gl_VertexID / 3];
-  on_disc = discCorner(uint(gl_VertexID % 3));
   SwarmRecord record = records[grain];
   vec3 center = centerOf(record);
   float radius = radiusOf(record);
   vec4 rotation = unpackRotation(record.rotation);
-  SphereDisc disc = sphereDisc(center, radius);
-  vec3 relative = disc.center + disc.radius * (disc.axis_u * on_disc.x + disc.axis_v * on_disc.y);
-  gl_Position = view.clip_from_relative * vec4(relative, 1.0);
-  if (gl_VertexID % 3 == 0) markSphere(center, radius);
-  // The eye is in the grain.
-  if (disc.radius == 0.0) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+  vec3 to_eye = toGrain(rotation, -center) * (1.0 / radius);
+  EllipsoidCorner corner = ellipsoidCorner(ellipsoidSeenFrom(swarm.bound, to_eye), to_eye, discCorner(uint(gl_VertexID % 3)));
+  on_disc = corner.on_disc;
+  gl_Position = view.clip_from_relative * vec4(center + rotateBy(rotation, corner.point) * radius, 1.0);
+  if (gl_VertexID % 3 == 0) markSphere(center, radius * max(swarm.bound.center.w, 1.0));
+  // The eye is in the grain, or there is none.
+  if (!(dot(to_eye, to_eye) > 1.0 && radius > 0.0)) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 
-  float scale = 1.0 / radius;
-  vec3 here = toGrain(rotation, relative - center) * scale, to_eye = toGrain(rotation, -center) * scale;
   ImpostorViews views = impostorViews(to_eye, atlas.edge);
   float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
-  float shape_level = float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias));
-#ifdef SMALL
-  bool first = views.weight.x >= max(views.weight.y, views.weight.z), second = views.weight.y >= views.weight.z;
-  uv = impostorUv(here, first ? views.axis0 : second ? views.axis1 : views.axis2, atlas.extent);
-  layer_level = vec2(float(first ? views.layer0 : second ? views.layer1 : views.layer2), shape_level);
-#else
-  point = here;
+  point = corner.point;
   eye = to_eye;
   weight = views.weight;
   layer = uvec3(views.layer0, views.layer1, views.layer2);
@@ -69,7 +54,6 @@ void main() {
     right[k] = basis.right * atlas.half_over_extent;
     up[k] = basis.up * atlas.half_over_extent;
   }
-  level = shape_level;
-#endif
+  level = float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias));
   number = swarm.first + grain + 1u;
 }

@@ -37,7 +37,8 @@ void main() {
   if (listed) {
     commands.begin[representation] = begin;
     commands.count[representation] = sum;
-    commands.impostors[representation] = DrawArraysCommand(3u * sum, 1u, 3u * begin, 0u);
+    uint vertices = verticesOf(representation);
+    commands.impostors[representation] = DrawArraysCommand(vertices * sum, 1u, vertices * begin, 0u);
     if ((representation & kMesh) != 0u)
       for (uint part = 0u; part < kMeshParts; ++part) {
         commands.meshes[meshCommand(representation, part)].instances = sum;

@@ -51,8 +51,9 @@ void main() {
       float radius = radiusOf(record);
 #ifdef LATE
       bool disc = r < kMesh;
-      float reach_px = disc ? kReachCenters : kReachTouched;
-      if (swarm.cull != 0u && occluded(sphereBounds(eye, center, radius, reach_px, disc))) r = kHidden;
+      if (swarm.cull != 0u && occluded(ellipsoidBounds(eye, center, radius, unpackRotation(record.rotation), swarm.bound,
+                                                       disc ? kReachCenters : kReachTouched, disc)))
+        r = kHidden;
 #else
       uint in_run = grain + k - run * kRunGrains;
       bool known = ((in_run < 32u ? was_seen.x : was_seen.y) >> (in_run & 31u) & 1u) != 0u;

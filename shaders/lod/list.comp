@@ -1,18 +1,18 @@
-// Enters the grains in the lists of their representations, in order.
+// Enters the grains in the lists of their representations: those of the nearest run first, in a run in their order.
 #include "lib/swarm.glsl"
 #include "lib/swarm_lists.glsl"
 
 layout(local_size_x = 64) in;
 
 layout(std430, binding = kSwarmCountsBinding) readonly buffer Counts { uint counts[]; };
+layout(std430, binding = kSwarmOrderBinding) readonly buffer Order { uint order[]; };
 layout(std430, binding = kSwarmPrefixBinding) readonly buffer Prefix { uint prefix[]; };
 layout(std430, binding = kSwarmCommandsBinding) readonly buffer Commands { SwarmCommands commands; };
 layout(std430, binding = kSwarmListBinding) writeonly buffer List { uint list[]; };
 
 void main() {
-  uint run = gl_GlobalInvocationID.x;
-  if (run >= swarm.run_count) return;
-  uint block = run / kBlockRuns;
+  if (gl_GlobalInvocationID.x >= swarm.run_count) return;
+  uint run = order[gl_GlobalInvocationID.x], block = gl_GlobalInvocationID.x / kBlockRuns;
   for (uint r = 0u; r < kRepresentations; ++r) {
     uint left = counts[run * kCountWords + (r >> 2u)] >> 8u * (r & 3u) & 255u;
     if (left == 0u || (swarm.listed >> r & 1u) == 0u) continue;

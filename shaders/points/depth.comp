@@ -8,7 +8,7 @@ layout(std430, binding = kPointKeysBinding) buffer Keys { uint keys[]; };
 
 void main() {
   if (gl_GlobalInvocationID.x >= swarm.run_count) return;
-  uint run = runOf(gl_GlobalInvocationID.x), grain = run * kRunGrains, word = run * kRunWords, end = word + kRunWords;
+  uint run = order[gl_GlobalInvocationID.x], grain = run * kRunGrains, word = run * kRunWords, end = word + kRunWords;
   SwarmRun bounds = runs[run];
   RunSeen place = runSeenOf(bounds);
   float front = max(place.nearest - kMeanFront * bounds.most_radius, view.near_m) * (1.0 - kRunSlack);

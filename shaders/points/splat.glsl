@@ -4,9 +4,8 @@
 
 layout(local_size_x = 64) in;
 
-// The run that an invocation takes: those near the eye come early where the order of the grains allows, so that they
-// hide the others.
-uint runOf(uint invocation) { return swarm.last_first != 0u ? swarm.run_count - 1u - invocation : invocation; }
+// The runs, the nearest to the eye first: they hide the others.
+layout(std430, binding = kSwarmOrderBinding) readonly buffer Order { uint order[]; };
 
 struct Seen {
   vec2 pixel_px;

@@ -49,7 +49,7 @@ void add(ivec2 pixel, float area, vec3 color, vec2 surface, bool shows) {
 
 void main() {
   if (gl_GlobalInvocationID.x >= swarm.run_count) return;
-  uint run = runOf(gl_GlobalInvocationID.x), first = run * kRunGrains, word = run * kRunWords, end = word + kRunWords;
+  uint run = order[gl_GlobalInvocationID.x], first = run * kRunGrains, word = run * kRunWords, end = word + kRunWords;
   SwarmRun bounds = runs[run];
   RunSeen place = runSeenOf(bounds);
   float most_band = pointBand(bounds.most_radius, place.farthest / view.pixels_at_1m);

@@ -30,6 +30,7 @@ const int kPointSurfacesBinding = 13;
 const int kTilesBinding = 14;                // shared/tiles.h
 const int kSwarmSeenBinding = 15;            // a bit a grain: shared/swarm.h
 const int kSwarmRunsBinding = kGrainsBinding;  // in programs of swarms: shared/swarm_run.h
+const int kSwarmOrderBinding = kVisibleBinding;  // of runs, the nearest to the eye first
 const int kSunCellsBinding = 10;             // in programs that draw no points: grains by cell of the
 const int kSunDepthBinding = 11;             // sun's map, and its depth
 

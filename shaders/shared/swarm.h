@@ -4,6 +4,7 @@
 // is the grain's own. Sizes on the screen are outer radii in pixels.
 #pragma once
 #include "shared/bindings.h"
+#include "shared/ellipsoid.h"
 #include "shared/prelude.h"
 #include "shared/rotation.h"
 RULES_BEGIN
@@ -63,8 +64,9 @@ struct SwarmBlock {
   float metallic;
   float candidate_cell;  // cells of the candidate map, in sizes of a grain
   uint cull;             // 1: what the depth pyramid hides is not drawn
-  uint last_first;       // 1: the last of its runs are nearer than the first
   float small_px;        // below this an impostor shows one view
+  uint unused;           // std140
+  Ellipsoid bound;       // the shape lies in it
 };
 
 // std430: where the lists of the representations are, and what draws them.
@@ -84,7 +86,7 @@ struct DrawElementsCommand {
 struct SwarmCommands {
   uint begin[16];  // by representation, in the list
   uint count[16];
-  DrawArraysCommand impostors[16];  // by representation; three vertices a grain: gl_VertexID / 3 is its place in the list
+  DrawArraysCommand impostors[16];  // by representation; gl_VertexID / verticesOf() is a grain's place in the list
   DrawElementsCommand meshes[32];   // meshCommand(); the base instance is the first one's place in the list
   uint listed;                    // entries in the list so far
   // Work groups of programs that have nothing to do in many a frame: then none.
@@ -93,6 +95,9 @@ struct SwarmCommands {
   uint late_groups[3];            // those that choose and list the rest
   uint see_groups[3];             // of 8 x 8 pixels: those that note what is seen
 };
+
+// Small impostors are drawn as points, others as triangles.
+RULE uint verticesOf(uint representation) { return (representation & (kFirst - 1u)) == kSmallImpostor ? 1u : 3u; }
 
 // Place in SwarmCommands::meshes of a level, kMesh and so on, drawn first or not, and a part of it.
 RULE uint meshCommand(uint representation, uint part) {

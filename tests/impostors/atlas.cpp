@@ -115,15 +115,16 @@ TEST(ImpostorFile, RefusesEachDamageWithOneLine) {
   };
   EXPECT_EQ(refusal(""), "x: is no impostor atlas");
   EXPECT_EQ(refusal("glTF2 and some more bytes"), "x: is no impostor atlas");
-  EXPECT_EQ(refusal(with(16, 99u)), "x: is of version 99, this program reads 3");
+  EXPECT_EQ(refusal(with(16, 99u)), "x: is of version 99, this program reads 4");
   EXPECT_EQ(refusal(with(20, 1000000u)), "x: has 1000000 views an edge, allowed are 2 to 23");
   EXPECT_EQ(refusal(with(24, 48u)), "x: has 48 texels a side, allowed are 16, 32, 64, 128, 256");
   EXPECT_NE(refusal(with(24, 256u)).find("bytes of texels"), std::string::npos);
-  for (size_t at = 36; at < 92; at += 4)
+  for (size_t at = 36; at < 156; at += 4)
     EXPECT_NE(refusal(with(at, std::nanf(""))), "accepted") << at;
+  EXPECT_EQ(refusal(with(108, 0.0f)), "x: its bounding ellipsoid is no ellipsoid");
   EXPECT_EQ(refusal(with(52, 1.5f)), "x: its inner radius is not between 0 and the outer one");
-  EXPECT_NE(refusal(with(92, 5000u)), "accepted");
-  EXPECT_EQ(refusal(with(96, std::nanf(""))), "x: an error in its table is out of range");
+  EXPECT_NE(refusal(with(156, 5000u)), "accepted");
+  EXPECT_EQ(refusal(with(160, std::nanf(""))), "x: an error in its table is out of range");
   EXPECT_NE(refusal(rehashed(good.substr(0, 60))), "accepted");
   EXPECT_NE(refusal(rehashed(good + "x")), "accepted");
   std::string flipped = good;

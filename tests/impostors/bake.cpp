@@ -8,6 +8,7 @@
 
 #include "engine/core/parallel.h"
 #include "engine/core/random.h"
+#include "modules/impostors/bounding_ellipsoid.h"
 #include "modules/impostors/cast.h"
 #include "modules/impostors/texels.h"
 #include "shaders/shared/gbuffer.h"
@@ -82,6 +83,41 @@ TEST(ImpostorSpheres, ProxyOfAnEllipsoidIsThatEllipsoid) {
   std::swap(corners[0], corners[1]);
   for (size_t t = 3; t < corners.size(); t += 3) std::swap(corners[t], corners[t + 1]);
   EXPECT_NEAR(proxyOf(corners, 0.5).diagonal.x, 2, 1e-6f);  // inside out: the sphere
+}
+
+double volumeOf(const rules::Ellipsoid& e) {
+  return static_cast<double>(glm::length(vec3(e.axis_a)) * glm::length(vec3(e.axis_b)) * glm::length(vec3(e.axis_c)));
+}
+
+TEST(BoundingEllipsoid, OfAnEllipsoidIsThatEllipsoid) {
+  const glm::dmat3 turn(glm::mat3_cast(glm::normalize(quat(0.8f, 0.3f, -0.4f, 0.2f))));
+  const dvec3 axes(0.9, 0.35, 0.6), center(0.05, -0.03, 0.08);
+  const MeshData ball = globe(64, [&](vec3 p) { return vec3(turn * (dvec3(p) * axes) + center); });
+  std::vector<dvec3> points;
+  for (const Vertex& v : ball.vertices) points.emplace_back(v.position);
+  const rules::Ellipsoid e = boundingEllipsoid(points);
+  EXPECT_LT(glm::distance(vec3(e.center), vec3(center)), 5e-3f);
+  EXPECT_NEAR(volumeOf(e), 0.9 * 0.35 * 0.6, 0.015 * 0.9 * 0.35 * 0.6);
+  for (const dvec3& p : points) EXPECT_LE(glm::length(rules::toBall(e, vec3(p) - vec3(e.center))), 1.0f);
+  // What leads to the ball leads back.
+  const vec3 v(0.3f, -0.7f, 0.2f);
+  EXPECT_LT(glm::distance(rules::fromBall(e, rules::toBall(e, v)), v), 1e-5f);
+}
+
+TEST(BoundingEllipsoid, HoldsWhatIsFlatOrALineOrAPointOrRound) {
+  const auto holds = [](const std::vector<dvec3>& points) {
+    const rules::Ellipsoid e = boundingEllipsoid(points);
+    for (const dvec3& p : points) EXPECT_LE(glm::length(rules::toBall(e, vec3(p) - vec3(e.center))), 1 + 2e-7f);
+    EXPECT_LT(e.center.w, 1.75f);
+    return volumeOf(e);
+  };
+  EXPECT_LT(holds({{-1, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}}), 0.1);
+  EXPECT_LT(holds({{-0.6, 0, 0.8}, {0.6, 0, -0.8}}), 0.02);
+  EXPECT_LT(holds({{0, 0, 0}}), 0.001);
+  EXPECT_LT(holds({{0, 0, 1}}), 0.02);
+  std::vector<dvec3> round;
+  for (const Vertex& v : globe(24).vertices) round.emplace_back(v.position);
+  EXPECT_EQ(holds(round), 1);
 }
 
 TEST(ImpostorSpheres, RadiiOfTheBakeHoldTheWholeMeshAndNothingLiesInside) {

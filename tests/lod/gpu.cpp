@@ -61,6 +61,20 @@ Expected expectedRoutes(SwarmScene& scene, std::span<const rules::SwarmRecord> r
   return expected;
 }
 
+// From the eye to the middle of each run's box, m.
+std::vector<float> runDistances(const std::vector<rules::SwarmRecord>& records, const vec3& origin) {
+  std::vector<float> distances;
+  for (size_t first = 0; first < records.size(); first += rules::kRunGrains) {
+    vec3 low(1e9f), high(-1e9f);
+    for (size_t k = first; k < std::min(first + rules::kRunGrains, records.size()); ++k) {
+      const vec3 p(records[k].x, records[k].y, records[k].z);
+      low = glm::min(low, p), high = glm::max(high, p);
+    }
+    distances.push_back(glm::length(origin + 0.5f * (low + high)));
+  }
+  return distances;
+}
+
 void expectRoutes(SwarmScene& scene, uint32_t swarm, const char* what) {
   scene.render();
   const SwarmPart& part = scene.drawn().part(0);
@@ -86,10 +100,22 @@ void expectRoutes(SwarmScene& scene, uint32_t swarm, const char* what) {
   std::printf("; %zu doubtful\n", doubtful);
   EXPECT_EQ(wrong, 0u) << what;
   EXPECT_LE(doubtful, 20 + records.size() / 100) << what;
-  // The lists are those of the routes, in the order of the rows.
+  // The lists are those of the routes: the nearest run first, a run in the order of its rows.
+  const std::vector<float> distances = runDistances(records, vec3(block.origin));
   for (uint32_t r = rules::kSmallImpostor; r < rules::kRepresentations; ++r) {
     if (r == rules::kHidden) continue;  // in no list
-    EXPECT_EQ(listOf(part, r), lists[r]) << what << ", representation " << r;
+    std::vector<uint32_t> list = listOf(part, r);
+    float farthest = 0;
+    size_t out_of_order = 0;
+    for (size_t k = 1; k < list.size(); ++k) {
+      const uint32_t run = list[k] / rules::kRunGrains, before = list[k - 1] / rules::kRunGrains;
+      farthest = std::max(farthest, distances[before]);
+      // Distances are rounded to steps of this size.
+      out_of_order += run == before ? list[k - 1] >= list[k] : distances[run] < farthest - 1.001f * drawn.chunk->run_size;
+    }
+    EXPECT_EQ(out_of_order, 0u) << what << ", representation " << r;
+    std::ranges::sort(list);
+    EXPECT_EQ(list, lists[r]) << what << ", representation " << r;
   }
 }
 

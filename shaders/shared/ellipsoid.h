@@ -1,0 +1,129 @@
+// An ellipsoid that a grain's mesh lies in: which rays miss it, the flat shape that covers it, and where it may show.
+//
+// Space: the grain's own axes, its centre at the origin, its outer radius 1.
+#pragma once
+#include "shared/occlusion.h"
+#include "shared/prelude.h"
+#include "shared/rotation.h"
+#include "shared/sphere.h"
+RULES_BEGIN
+
+// std140. The image of the unit ball: center + axis_a x + axis_b y + axis_c z; the axes are perpendicular.
+struct Ellipsoid {
+  vec4 center;  // w: distance of its farthest point from the origin, or more
+  vec4 axis_a;  // w: 1 / squared length
+  vec4 axis_b;
+  vec4 axis_c;
+};
+RULE Ellipsoid unitBall() {
+  Ellipsoid e;
+  e.center = vec4(0.0f, 0.0f, 0.0f, 1.0f);
+  e.axis_a = vec4(1.0f, 0.0f, 0.0f, 1.0f);
+  e.axis_b = vec4(0.0f, 1.0f, 0.0f, 1.0f);
+  e.axis_c = vec4(0.0f, 0.0f, 1.0f, 1.0f);
+  return e;
+}
+
+// Vectors, not places, to where the ellipsoid is the unit ball, and back.
+RULE vec3 toBall(Ellipsoid e, vec3 v) {
+  return vec3(dot(vec3(e.axis_a), v) * e.axis_a.w, dot(vec3(e.axis_b), v) * e.axis_b.w, dot(vec3(e.axis_c), v) * e.axis_c.w);
+}
+RULE vec3 fromBall(Ellipsoid e, vec3 v) { return vec3(e.axis_a) * v.x + vec3(e.axis_b) * v.y + vec3(e.axis_c) * v.z; }
+
+// Nearer than this to a grain's centre, outer radii, the eye sees it in its outer sphere, from elsewhere in its ellipsoid.
+const float kLeastEllipsoidEye = 8.0f;
+// `eye`: in the grain's space.
+RULE Ellipsoid ellipsoidSeenFrom(Ellipsoid e, vec3 eye) {
+  if (dot(eye, eye) < kLeastEllipsoidEye * kLeastEllipsoidEye) return unitBall();
+  return e;
+}
+
+// Whether a ray, or its continuation, misses the ellipsoid. `foot`: a point of it not far from the grain.
+RULE bool missesEllipsoid(Ellipsoid e, vec3 foot, vec3 direction) {
+  vec3 o = toBall(e, foot - vec3(e.center)), d = toBall(e, direction);
+  vec3 off = o - d * (dot(o, d) / dot(d, d));
+  return dot(off, off) > 1.0f;
+}
+
+// A corner of the triangle around the ellipsoid's silhouette, as seen from an eye beyond kLeastEllipsoidEye, or outside
+// of the unit ball. It lies in the plane of the outer sphere's silhouette disc (sphere.h): how far away a grain is
+// does not depend on how it is turned.
+struct EllipsoidCorner {
+  vec3 point;
+  // x, y: z times the place on the ellipsoid's own disc; each changes evenly over the triangle. Rays to points with
+  // x^2 + y^2 > z^2 miss the ellipsoid.
+  vec3 on_disc;
+};
+RULE EllipsoidCorner ellipsoidCorner(Ellipsoid e, vec3 eye, vec2 on_disc) {
+  vec3 o = toBall(e, eye - vec3(e.center));
+  SphereDisc disc = sphereDisc(o * -1.0f, 1.0f);
+  vec3 polar = o * (1.0f / dot(o, o)) + (disc.axis_u * on_disc.x + disc.axis_v * on_disc.y) * disc.radius;
+  vec3 p = vec3(e.center) + fromBall(e, polar);
+  // From the polar plane of the ellipsoid along the ray to that of the unit ball.
+  float above = dot(p, eye), distance2 = dot(eye, eye), share = 1.0f / (distance2 - above);
+  EllipsoidCorner corner;
+  corner.point = p + (p - eye) * ((above - 1.0f) * share);
+  float weight = (distance2 - 1.0f) * share;
+  corner.on_disc = vec3(on_disc * weight, weight);
+  return corner;
+}
+
+// By how much its silhouette, as computed here and by a vertex program, may be off: 512u of its extent.
+const float kEllipsoidError = 3.0517578125e-05f;
+
+// Where what lies in the ellipsoid of a grain may show, and how near; see sphereBounds(). `disc`: it is drawn as the
+// triangle above; otherwise as whatever lies both in the ellipsoid and in the outer sphere.
+RULE SphereBounds ellipsoidBounds(OcclusionView v, vec3 center, float radius, vec4 rotation, Ellipsoid e, float reach_px,
+                                  bool disc) {
+  float reach = radius * max(e.center.w, 1.0f), distance2 = dot(center, center);
+  SphereBounds b = sphereBounds(v, center, reach, reach_px, disc);
+  // A little more than where the corners change their rule.
+  float far = 1.01f * kLeastEllipsoidEye * radius;
+  if (!b.known || !(distance2 > far * far)) return b;
+
+  vec4 back = vec4(vec3(rotation) * -1.0f, rotation.w);
+  vec3 right = rotateBy(back, vec3(v.right)), up = rotateBy(back, vec3(v.up)), forward = rotateBy(back, vec3(v.forward));
+  vec3 middle = vec3(e.center);
+  float x = dot(vec3(v.right), center) + radius * dot(right, middle), y = dot(vec3(v.up), center) + radius * dot(up, middle);
+  float w = dot(vec3(v.forward), center) + radius * dot(forward, middle);
+  // Of the unit ball's points, by how much the axes bring them there.
+  vec3 ax = vec3(dot(right, vec3(e.axis_a)), dot(right, vec3(e.axis_b)), dot(right, vec3(e.axis_c))) * radius;
+  vec3 ay = vec3(dot(up, vec3(e.axis_a)), dot(up, vec3(e.axis_b)), dot(up, vec3(e.axis_c))) * radius;
+  vec3 aw = vec3(dot(forward, vec3(e.axis_a)), dot(forward, vec3(e.axis_b)), dot(forward, vec3(e.axis_c))) * radius;
+  float distance = sqrt(distance2), error = v.center_error * distance + kEllipsoidError * reach;
+  float half_depth = sqrt(dot(aw, aw)), nearest = w - half_depth - error;
+  if (!(nearest >= v.forward.w)) return b;
+
+  float aside = sqrt(max(distance2 - dot(vec3(v.forward), center) * dot(vec3(v.forward), center), 0.0f));
+  if (disc) {
+    // Small impostors are drawn as if rays through them were parallel.
+    error += 1.25f * reach * reach / nearest;
+    // In the plane of the sphere's disc, within the cone of rays to the ball around the ellipsoid.
+    float share = (distance - radius) * (distance + radius) / distance2;
+    float half_disc = share * reach / sqrt((distance - reach) * (distance + reach)) * aside;
+    float disc_nearest = dot(vec3(v.forward), center) * share - half_disc - error;
+    // The triangle reaches three times as far.
+    if (!(disc_nearest >= 3.0f * half_disc)) return b;
+    b.depth = v.forward.w / disc_nearest * v.depth_scale;
+  } else {
+    b.depth = min(b.depth, v.forward.w / max(nearest - kEdgeOnShare * radius, v.forward.w) * v.depth_scale);
+  }
+
+  // Slopes of the planes through the eye that touch it: (x, w) seen along n = (w, -x) / .., with the ball's image
+  // in that direction: roots of (s w - x)^2 = |s aw - ax|^2.
+  float inverse = 1.0f / (w * w - half_depth * half_depth);
+  vec2 mid = vec2(x * w - dot(ax, aw), y * w - dot(ay, aw)) * inverse;
+  vec3 turn_x = aw * x - ax * w, turn_y = aw * y - ay * w, cross_x = cross(ax, aw), cross_y = cross(ay, aw);
+  vec2 half_slope = sqrt(max(vec2(dot(turn_x, turn_x) - dot(cross_x, cross_x), dot(turn_y, turn_y) - dot(cross_y, cross_y)),
+                             vec2(0.0f, 0.0f))) *
+                    inverse;
+  vec2 grow = (vec2(1.0f, 1.0f) + abs(mid) + half_slope) * (error / nearest);
+  vec2 scale = vec2(v.right.w, v.up.w);
+  vec2 low = v.center_px + scale * (mid - half_slope - grow) - (v.margin_px + reach_px + 0.5f);
+  vec2 high = v.center_px + scale * (mid + half_slope + grow) + (v.margin_px + reach_px - 0.5f);
+  b.first_px = ivec2(clamp(ceil(low), vec2(0.0f, 0.0f), v.last_px + vec2(1.0f, 1.0f)));
+  b.last_px = ivec2(clamp(floor(high), vec2(-1.0f, -1.0f), v.last_px));
+  return b;
+}
+
+RULES_END
