@@ -103,7 +103,7 @@ class SwarmStore {
   struct Stored {
     std::string name;
     uint32_t shape = 0;
-    float largest_radius = 1;
+    float largest_radius = 1, least_radius = 1;  // m
     uint64_t count = 0;
     uint64_t refused = 0;  // left out
     vec3 min{0}, max{0};   // of the centres, m

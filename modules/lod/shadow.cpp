@@ -25,19 +25,6 @@ gpu::Program compute(const char* name, std::vector<std::string> defines = {}) {
                        .defines = std::move(defines)});
 }
 
-// Of a swarm: the smallest grain's size, as its record has it, when its grains were of this version.
-struct Smallest {
-  uint64_t version = 0;
-  uint32_t size = 0;
-};
-
-uint32_t smallestOf(const SwarmStore::Stored& stored) {
-  uint32_t least = rules::kRadiusSteps;
-  for (const std::vector<rules::SwarmRecord>& chunk : stored.chunks)
-    for (const rules::SwarmRecord& record : chunk) least = std::min(least, record.size & rules::kRadiusSteps);
-  return least;
-}
-
 // What lod/sun.glsl says of cells.
 struct Cells {
   float largest_texels = 0;
@@ -69,23 +56,18 @@ struct SunMap {
   gpu::Program copy{{.name = "lod.shadow", .vertex = "lib/full_screen.vert", .fragment = "lod/sun.frag"}};
   gpu::Buffer cells, depth;
   uint64_t shadow_version = 0, casters_version = 0;  // of what `depth` holds
-  std::vector<Smallest> smallest;                    // by swarm
 
-  Cells fit(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view);
   void splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view);
 };
 
-Cells SunMap::fit(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view) {
+Cells fit(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view) {
   const SwarmStore& store = state.world.singleton<const SwarmStore>();
-  smallest.resize(store.swarmCount());
   float largest_m = 0, least_m = 1e30f;
   for (const CasterSeen& caster : state.casters_seen) {
     const SwarmStore::Stored& stored = store.swarm(caster.swarm);
-    Smallest& known = smallest[caster.swarm];
-    if (known.version != stored.version) known = {stored.version, smallestOf(stored)};
     const float share = store.shape(stored.shape).cast_share;
     largest_m = std::max(largest_m, stored.largest_radius * share);
-    least_m = std::min(least_m, rules::radiusOf(known.size, stored.largest_radius) * share);
+    least_m = std::min(least_m, stored.least_radius * share);
   }
   return cellsOf(largest_m, least_m, view);
 }

@@ -90,7 +90,8 @@ struct SwarmsDrawn::State {
   bool casts = false;  // some part
   uint64_t casters_version = 0;  // goes up when what casts, or where it is, changes
   std::vector<lod::CasterSeen> casters_seen, casters_now;
-  uint32_t possible = 0;  // a bit for each representation that some part may have
+  uint32_t possible = 0;  // a bit for each representation that some part may have, at the sizes of its grains
+  uint32_t routed_possible = 0;  // when the lists were last made
   gpu::StreamBuffer blocks{"lod.blocks", 16 * 1024};
   gpu::Buffer candidates;
   bool routed = false;  // the lists on the GPU are those of a frame

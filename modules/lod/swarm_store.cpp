@@ -38,6 +38,16 @@ void sortInSpace(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains)
   stored.order = lod::orderInSpace(positions);
 }
 
+// Counts a grain that is kept.
+void bound(SwarmStore::Stored& stored, const rules::SwarmRecord& record) {
+  const vec3 p(record.x, record.y, record.z);
+  const float radius = rules::radiusOf(record.size, stored.largest_radius);
+  stored.min = stored.count == 0 ? p : glm::min(stored.min, p);
+  stored.max = stored.count == 0 ? p : glm::max(stored.max, p);
+  stored.least_radius = stored.count == 0 ? radius : std::min(stored.least_radius, radius);
+  ++stored.count;
+}
+
 void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
   stored.count = stored.refused = 0;
   stored.largest_radius = 0;
@@ -53,10 +63,7 @@ void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
     }
     const size_t chunk = stored.count / kSwarmChunk;
     if (chunk == stored.chunks.size()) stored.chunks.emplace_back();
-    stored.chunks[chunk].push_back(packed(grain, stored.largest_radius));
-    stored.min = stored.count == 0 ? grain.position : glm::min(stored.min, grain.position);
-    stored.max = stored.count == 0 ? grain.position : glm::max(stored.max, grain.position);
-    ++stored.count;
+    bound(stored, stored.chunks[chunk].emplace_back(packed(grain, stored.largest_radius)));
   }
   stored.chunks.resize((stored.count + kSwarmChunk - 1) / kSwarmChunk);
   warnOfRefused(stored, grains.size());
@@ -123,12 +130,7 @@ uint32_t SwarmStore::add(std::string name, uint32_t shape_handle, uint64_t count
     const auto kept = std::remove_if(chunk.begin(), chunk.end(), wrong);
     stored.refused += static_cast<uint64_t>(chunk.end() - kept);
     chunk.erase(kept, chunk.end());
-    for (const rules::SwarmRecord& r : chunk) {
-      const vec3 p(r.x, r.y, r.z);
-      stored.min = stored.count == 0 ? p : glm::min(stored.min, p);
-      stored.max = stored.count == 0 ? p : glm::max(stored.max, p);
-      ++stored.count;
-    }
+    for (const rules::SwarmRecord& record : chunk) bound(stored, record);
     if (chunk.empty()) stored.chunks.pop_back();
   }
   warnOfRefused(stored, count);

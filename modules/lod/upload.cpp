@@ -106,16 +106,33 @@ struct Placed {
   bool casts;
 };
 
-uint32_t possibleOf(const LodThresholds& t, size_t levels) {
+// Sizes between which those of all its grains are, px.
+struct SizeRange {
+  float least = 0, most = 0;
+};
+SizeRange sizesOf(const SwarmStore::Stored& stored, const vec3& origin, float pixels_at_1m) {
+  constexpr float kSlack = 1e-4f;  // more than floats round
+  const vec3 low = origin + stored.min, high = origin + stored.max;
+  const float near = glm::length(glm::max(glm::max(low, -high), vec3(0))), far = glm::length(glm::max(glm::abs(low), glm::abs(high)));
+  return {rules::sizePx(stored.least_radius, far, pixels_at_1m) * (1 - kSlack),
+          rules::sizePx(stored.largest_radius, near * (1 - kSlack), pixels_at_1m) * (1 + kSlack)};
+}
+
+// As rules::representationOf chooses among such sizes, whatever the grains were drawn as.
+uint32_t possibleOf(const LodThresholds& t, size_t levels, float band, const SizeRange& sizes) {
+  const auto allBelow = [&](float px) { return sizes.most < px * (1 - band); };
+  const auto noneBelow = [&](float px) { return sizes.least >= px * (1 + band); };
   uint32_t possible = 0;
   const auto add = [&](uint32_t representation) { possible |= 1u << representation; };
-  if (t.point_px > 0) add(rules::kPoint);
-  if (t.impostor_px > t.impostor_from_px) {
-    if (t.impostor_from_px < t.small_px) add(rules::kSmallImpostor);
-    if (t.impostor_px > t.small_px) add(rules::kImpostor);
+  const float surely_point = t.point_px * (1 - rules::kPointSpread);
+  if (!noneBelow(t.point_px)) add(rules::kPoint);
+  if (allBelow(surely_point)) return possible;
+  if (t.impostor_px > t.impostor_from_px && !noneBelow(t.impostor_px) && !allBelow(t.impostor_from_px)) {
+    if (t.impostor_from_px < t.small_px && !noneBelow(t.small_px)) add(rules::kSmallImpostor);
+    if (t.impostor_px > t.small_px && !allBelow(t.small_px)) add(rules::kImpostor);
   }
-  const float most = std::max(t.point_px, t.impostor_px);
-  if (most > rules::kLargestPx) return possible;  // one for all sizes
+  const bool none_smaller = noneBelow(t.impostor_from_px) || t.impostor_from_px * (1 + band) <= surely_point * (1 - band);
+  if (allBelow(t.impostor_px) && none_smaller) return possible;
   for (uint32_t level = 0; level < levels; ++level) add(rules::kMesh + level);
   return possible;
 }
@@ -182,7 +199,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     part.late = state.blocks.write(block);
     state.parts.push_back(part);
     state.grain_count += chunk.count;
-    state.possible |= possibleOf(t, shape.levels.size());
+    state.possible |= possibleOf(t, shape.levels.size(), settings.band, sizesOf(stored, vec3(block.origin), view.block.pixels_at_1m));
   }
 }
 
@@ -248,6 +265,10 @@ void upload(SwarmsDrawn::State& state) {
   const bool drew = !state.parts.empty();
   state.frozen = settings.view == SwarmView::Frozen && state.routed && drew;
   state.routed = drew;
+  if (state.frozen)
+    state.possible = state.routed_possible;
+  else
+    state.routed_possible = state.possible;
   if (!state.frozen) {
     state.last_camera = view.position;
     state.last_rotation = view.rotation;

@@ -168,6 +168,19 @@ TEST_F(ImpostorsDrawn, NearGrainsNeedNoImpostorWork) {
   EXPECT_EQ(lookFrom(with, 3), near_without);
 }
 
+// Nor a pass, where every grain of the swarm is too near.
+TEST_F(ImpostorsDrawn, NearSwarmsRunNoImpostorPass) {
+  BeanScene scene;
+  scene.show(scene.addBean(), cloud(10, 0.2f, 0.9f, 1));
+  // Runs since the start.
+  for (const auto& [distance, runs] : {std::pair{4.0, 0u}, {60.0, 1u}, {4.0, 1u}, {60.0, 2u}}) {
+    scene.look({0, 0, distance}, {0, 0, 0});
+    scene.render();
+    for (const char* pass : {"impostors.visible", "impostors.visible_late", "impostors.resolve"})
+      EXPECT_EQ(scene.app.frame().runCount(pass), runs) << pass << " from " << distance;
+  }
+}
+
 TEST_F(ImpostorsDrawn, NearMeshesNeedNoImpostorWork) {
   BeanScene scene;
   scene.look({0, 0, 4}, {0, 0, 0});

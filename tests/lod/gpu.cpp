@@ -1,6 +1,8 @@
 // Routing on the GPU against the same rules on the CPU, and what near grains look like.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "engine/gpu/counters.h"
 #include "modules/lod/state.h"
@@ -99,6 +101,11 @@ void expectRoutes(SwarmScene& scene, uint32_t swarm, const char* what) {
   for (const size_t n : of) std::printf(" %zu", n);
   std::printf("; %zu doubtful\n", doubtful);
   EXPECT_EQ(wrong, 0u) << what;
+  // Passes that draw what no grain can be here are left out.
+  for (uint32_t r = rules::kPoint; r < rules::kRepresentations; ++r)
+    if (of[r] > 0 && r != rules::kHidden) {
+      EXPECT_TRUE(scene.drawn().mayBe(r & (rules::kFirst - 1))) << what << ", representation " << r;
+    }
   EXPECT_LE(doubtful, 20 + records.size() / 100) << what;
   // The lists are those of the routes: the nearest run first, a run in the order of its rows.
   const std::vector<float> distances = runDistances(records, vec3(block.origin));
@@ -150,6 +157,52 @@ TEST_F(Routing, OfCompactRunsToo) {
     }
 }
 
+// By the sizes that its grains can have at most and at least, whatever they were drawn as.
+TEST_F(Routing, PassesRunForSizesThatGrainsHave) {
+  SwarmScene scene;
+  GrainShape shape = scene.ballShape();
+  shape.impostor = {{40, 0.01f, 0.1f}};
+  scene.show(scene.world.singleton<SwarmStore>().addShape(shape), cloud(1000, 0.01f, 0.02f, 0.02f));  // eight a word
+  scene.look({0, 0, 100}, {0, 0, 0});
+  scene.render();
+  const float pixels_at_1m = scene.world.singleton<const View>().block.pixels_at_1m;
+  const LodThresholds t = thresholdsOf(shape, {}, pixels_at_1m);
+  ASSERT_LT(t.point_px, t.small_px);
+  ASSERT_LT(t.small_px, t.impostor_px);
+  std::map<std::string_view, uint64_t> ran;
+  const auto possibleAt = [&](double px) {
+    scene.look({0, 0, 0.02 * static_cast<double>(pixels_at_1m) / px}, {0, 0, 0});
+    scene.render();
+    const lod::Part& part = static_cast<const lod::Part&>(scene.drawn().part(0));
+    for (const uint32_t eight : gpu::readBuffer<uint32_t>(part.routes->representations, 1000 / 8))
+      for (uint32_t shift = 0; shift < 32; shift += 4)
+        if (const uint32_t route = eight >> shift & 15; route != rules::kHidden) {
+          EXPECT_TRUE(scene.drawn().mayBe(route & (rules::kFirst - 1))) << px << " px, representation " << route;
+        }
+    std::string possible;
+    for (uint32_t r = rules::kPoint; r <= rules::kMesh; ++r) possible += scene.drawn().mayBe(r) ? "psim"[r - rules::kPoint] : '-';
+    // Passes that ran.
+    for (const auto& [pass, letter] : {std::pair{"lod.list_late", 'L'}, {"lod.meshes", 'M'}})
+      if (scene.app.frame().runCount(pass) > std::exchange(ran[pass], scene.app.frame().runCount(pass))) possible += letter;
+    return possible;
+  };
+  EXPECT_EQ(possibleAt(0.5 * static_cast<double>(t.point_px)), "p---");
+  EXPECT_EQ(possibleAt(static_cast<double>(t.point_px)), "ps--L");
+  EXPECT_EQ(possibleAt(1.3 * static_cast<double>(t.point_px)), "-s--L");
+  EXPECT_EQ(possibleAt(static_cast<double>(t.small_px)), "-si-L");
+  EXPECT_EQ(possibleAt(1.5 * static_cast<double>(t.small_px)), "--i-L");
+  EXPECT_EQ(possibleAt(static_cast<double>(t.impostor_px)), "--imLM");
+  EXPECT_EQ(possibleAt(1.3 * static_cast<double>(t.impostor_px)), "---mLM");
+  EXPECT_EQ(possibleAt(0.5 * static_cast<double>(t.point_px)), "p---");
+  EXPECT_EQ(possibleAt(1.3 * static_cast<double>(t.impostor_px)), "---mLM");
+  // A frozen picture keeps what it was made of.
+  scene.world.singleton<LodSettings>().view = SwarmView::Frozen;
+  scene.look({0, 0, 1e4}, {0, 0, 0});
+  scene.render();
+  EXPECT_TRUE(scene.drawn().mayBe(rules::kMesh));
+  EXPECT_FALSE(scene.drawn().mayBe(rules::kPoint));
+}
+
 // Lists that had grains in the last frame are empty in one that has none of them.
 TEST_F(Routing, ListsEmptyAgain) {
   SwarmScene scene;
@@ -158,7 +211,8 @@ TEST_F(Routing, ListsEmptyAgain) {
   scene.show(scene.world.singleton<SwarmStore>().addShape(shape), cloud(3000, 2, 0.02f, 0.3f));
   const auto listed = [&] {
     size_t all = 0;
-    for (uint32_t r = rules::kSmallImpostor; r < rules::kRepresentations; ++r) all += listOf(scene.drawn().part(0), r).size();
+    for (uint32_t r = rules::kSmallImpostor; r < rules::kRepresentations; ++r)
+      if (scene.drawn().mayBe(r & (rules::kFirst - 1))) all += listOf(scene.drawn().part(0), r).size();
     return all;
   };
   for (int round = 0; round < 3; ++round) {

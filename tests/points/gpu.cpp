@@ -275,6 +275,19 @@ TEST_F(Points, NoneCostNothing) {
   scene.render();
   for (const uint32_t id : scene.ids()) EXPECT_EQ(id, 0u);
   scene.world.destroy(entity);
+  // A swarm too near for points, which then have no pass; farther away it has them.
+  const auto runsPoints = [&] {
+    scene.render();
+    const std::vector<std::string> passes = scene.passes();
+    return std::ranges::any_of(passes, [](const std::string& pass) { return pass.starts_with("points."); });
+  };
+  scene.world.singleton<LodSettings>().only = rules::kNotDrawn;
+  const SwarmGrain ball{.radius = 9};
+  const Entity near = scene.show(scene.addBall(), {&ball, 1});
+  EXPECT_FALSE(runsPoints());
+  scene.look({0, 0, 1e6}, {0, 0, 0});
+  EXPECT_TRUE(runsPoints());
+  scene.world.destroy(near);
   scene.render();
   for (const std::string& pass : scene.passes()) EXPECT_EQ(pass.find("points."), std::string::npos) << pass;
 }
