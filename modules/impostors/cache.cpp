@@ -4,11 +4,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <glm/geometric.hpp>
 
 #include "engine/core/bytes.h"
 #include "engine/core/file.h"
 #include "engine/core/hash.h"
+#include "modules/lod/lod.h"
 
 namespace scree {
 namespace {
@@ -55,17 +55,6 @@ std::string body(const ImpostorAtlas& a) {
   return std::move(out.content);
 }
 
-// Axes of lengths that boundingEllipsoid() makes, and what is kept of them.
-bool isBound(const rules::Ellipsoid& e) {
-  for (int c = 0; c < 3; ++c)
-    if (!within(e.center[c], -2, 2)) return false;
-  for (const vec4* axis : {&e.axis_a, &e.axis_b, &e.axis_c}) {
-    const float length2 = glm::dot(vec3(*axis), vec3(*axis));
-    if (!within(length2, 1e-4f, 10) || !within(axis->w * length2, 0.999f, 1.001f)) return false;
-  }
-  return within(e.center.w, 0, 6);
-}
-
 // What is wrong with the numbers; nullptr: nothing.
 const char* fault(const ImpostorAtlas& a) {
   for (int c = 0; c < 3; ++c) {
@@ -74,7 +63,7 @@ const char* fault(const ImpostorAtlas& a) {
     if (!within(a.proxy.diagonal[c], 0.1f, 1e3f)) return "its ellipsoid has no extent";
     if (!within(a.proxy.upper[c], -1e6f, 1e6f)) return "its ellipsoid is no ellipsoid";
   }
-  if (!isBound(a.bound)) return "its bounding ellipsoid is no ellipsoid";
+  if (!soundEllipsoid(a.bound)) return "its bounding ellipsoid is no ellipsoid";
   if (!within(a.outer, 1e-30f, kMostUnits)) return "its outer radius is no length";
   if (!within(a.inner, 0, 1)) return "its inner radius is not between 0 and the outer one";
   if (a.errors.directions > 1024) return "its errors were measured from too many directions";

@@ -5,7 +5,7 @@
 // 9, with lists made by prefix sums in place of atomics (the same lists in every run), thresholds from measured
 // errors, and hysteresis. In: Swarm, the stores below, View. Out: external resources kSwarmRoutes and
 // kSwarmLists, from which modules draw; meshes are drawn here, the rest by modules/impostors and modules/points.
-// Cost: 30.4 bytes a grain on the GPU; a frame reads each grain once or twice, and nothing comes back.
+// Cost: 30.5 bytes a grain on the GPU; a frame reads each grain once or twice, and nothing comes back.
 #pragma once
 
 #include <cstdint>
@@ -73,6 +73,8 @@ struct SwarmGrain {
   uint16_t seed = 0;  // a number of its own; with the tint, it says at which size it becomes a point
 };
 rules::SwarmRecord packed(const SwarmGrain& grain, float largest_radius);
+// Whether it is finite, its axes are perpendicular and have a length, and what it says of itself is so.
+bool soundEllipsoid(const rules::Ellipsoid& ellipsoid);
 
 // What a grain may measure; others are left out. Radii are kept as shares of the swarm's largest, in steps of 1/65,535.
 inline constexpr float kMostSwarmExtent = 1e9f;  // a coordinate, from the swarm's origin, m
@@ -159,7 +161,8 @@ struct LodThresholds {
   float small_px = 0;  // below it an impostor of one view is enough
   float mesh_px[rules::kMeshLevels] = {};
 };
-LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings, float pixels_at_1m);
+// `stretch`: 1 + the squared tangents to the picture's corner.
+LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings, float pixels_at_1m, float stretch = 1);
 
 // A bound, in pixels at the picture's middle, of how far the outline of a grain drawn so is off: the area between it and
 // the mesh's, in the same perspective, over the length of the mesh's. A point is a disc; a mesh level by its largest distance to the finest, which perspective
@@ -209,7 +212,7 @@ class SwarmsDrawn {
   uint64_t grainCount() const;
   const SwarmPart& part(size_t index) const;
   void bind(size_t index) const;
-  // Whether some grain may be drawn as this representation, by shape and settings.
+  // Whether some grain may be drawn as this representation: by shape, settings, and how far away its swarm is.
   bool mayBe(uint32_t representation) const;
 
   struct State;

@@ -19,7 +19,7 @@ struct Chunk {
   gpu::Buffer records, runs;
   uint32_t count = 0;
   std::vector<vec3> middles;  // of the runs' boxes, relative to the swarm's origin, m
-  float run_size = 1;         // mean side of these, m
+  float run_size = 1;         // median side of these, m
 };
 
 // How the grains of a chunk are drawn, where one entity has them.
@@ -60,8 +60,8 @@ struct Part : SwarmPart {
 
 // Room to sort in.
 struct RunOrder {
-  std::vector<uint64_t> keys;
-  std::vector<uint32_t> order;
+  std::vector<float> distances;
+  std::vector<uint32_t> begins, order;
 };
 
 // What a swarm's shadow depends on.
@@ -113,6 +113,15 @@ inline constexpr const char* kSeen = "lod.seen";
 
 // The thresholds that a program routes by.
 void setThresholds(rules::SwarmBlock& block, const LodThresholds& thresholds, float band);
+
+// Sizes between which those of all grains of a swarm are, px.
+struct SizeRange {
+  float least = 0, most = 0;
+};
+SizeRange sizesOf(const SwarmStore::Stored& stored, const vec3& origin_relative, float pixels_at_1m);
+// A bit for each representation that rules::representationOf may choose among such sizes, whatever the grains were
+// drawn as.
+uint32_t possibleOf(const LodThresholds& thresholds, size_t levels, float band, const SizeRange& sizes);
 
 // What the grains of each run have in common.
 void boundRuns(std::span<const rules::SwarmRecord> records, float largest_radius, std::vector<rules::SwarmRun>& runs);

@@ -1,6 +1,7 @@
 // Shapes and swarms on the CPU.
 #include <fmt/format.h>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -82,6 +83,19 @@ rules::SwarmRecord packed(const SwarmGrain& grain, float largest_radius) {
           rules::packGrainSize(grain.radius / largest_radius, grain.seed)};
 }
 
+bool soundEllipsoid(const rules::Ellipsoid& e) {
+  const vec3 a(e.axis_a), b(e.axis_b), c(e.axis_c), center(e.center);
+  float longest = 0;
+  for (const vec4& axis : {e.axis_a, e.axis_b, e.axis_c}) {
+    const float length2 = glm::dot(vec3(axis), vec3(axis));
+    if (!(length2 >= 1e-4f && length2 <= 10 && std::abs(axis.w * length2 - 1) <= 1e-3f)) return false;
+    longest = std::max(longest, std::sqrt(length2));
+  }
+  const auto perpendicular = [](const vec3& u, const vec3& v) { return std::abs(glm::dot(u, v)) <= 1e-3f * glm::length(u) * glm::length(v); };
+  return perpendicular(a, b) && perpendicular(b, c) && perpendicular(c, a) && glm::length(center) <= 2 &&
+         e.center.w >= (glm::length(center) + longest) * (1 - 1e-5f) && e.center.w <= 6;
+}
+
 uint32_t SwarmStore::addShape(GrainShape shape) {
   const auto refuse = [&](std::string_view what) {
     fail(fmt::format("SwarmStore::addShape: shape \"{}\": {}", shape.name, what));
@@ -92,6 +106,7 @@ uint32_t SwarmStore::addShape(GrainShape shape) {
     refuse(fmt::format("outer radius {}, must be above 0", shape.outer_radius));
   if (!(shape.inner_radius >= 0 && shape.inner_radius <= shape.outer_radius))
     refuse(fmt::format("inner radius {}, 0 to {} are allowed", shape.inner_radius, shape.outer_radius));
+  if (!soundEllipsoid(shape.bound)) refuse("its bound is no ellipsoid; half-axes of 0.01 to 3 outer radii are allowed");
   shapes_.push_back(std::move(shape));
   return static_cast<uint32_t>(shapes_.size() - 1);
 }

@@ -56,8 +56,9 @@ Range rangeOf(const GrainShape& shape, const LodSettings& settings, float tolera
 
 }  // namespace
 
-LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings, float pixels_at_1m) {
+LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings, float pixels_at_1m, float stretch) {
   LodThresholds t;
+  const float most_small = std::min(rules::kSmallPx, rules::mostParallelPx(pixels_at_1m, stretch));
   const float tolerance = std::max(settings.tolerance_px, 0.0f);
   // Level k - 1 takes over where level k is off by too much; a level without error does for all sizes.
   for (uint32_t level = 1; level < rules::kMeshLevels; ++level) {
@@ -79,14 +80,14 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings,
   if (!only_impostors) t.point_px = std::min(shape.point_outline > 0 ? tolerance / shape.point_outline : kEver, kMostPointPx);
   if (only_impostors && !shape.impostor.empty()) {
     t.impostor_px = kEver;
-    t.small_px = rules::kSmallPx;
+    t.small_px = most_small;
     return t;
   }
   // One view where it is good, and three from there on: one range of sizes. If there is a gap, the longer part.
   const float least = std::max(t.point_px * (1 - rules::kPointSpread), 0.01f);
   const Range full = rangeOf(shape, settings, tolerance, pixels_at_1m, kFull, least);
   Range small = rangeOf(shape, settings, tolerance, pixels_at_1m, kSmall, least);
-  small.to = std::min(small.to, rules::kSmallPx);
+  small.to = std::min(small.to, most_small);
   const bool some = small.to > std::max(small.from, least);
   if (some && small.from <= full.from && full.from <= small.to && full.to > small.to) {
     t.impostor_from_px = small.from;
@@ -117,6 +118,34 @@ float outlineErrorPx(const GrainShape& shape, uint32_t representation, float siz
   for (const SizeError& e : shape.impostor)
     if (size_px <= e.size_px && near <= kMostNear) return size_px * (e.*outline.share + e.*outline.near * near);
   return -1;
+}
+
+lod::SizeRange lod::sizesOf(const SwarmStore::Stored& stored, const vec3& origin, float pixels_at_1m) {
+  constexpr float kSlack = 1e-4f;  // more than floats round
+  const vec3 low = origin + stored.min, high = origin + stored.max;
+  const float near = glm::length(glm::max(glm::max(low, -high), vec3(0))), far = glm::length(glm::max(glm::abs(low), glm::abs(high)));
+  return {rules::sizePx(stored.least_radius, far, pixels_at_1m) * (1 - kSlack),
+          rules::sizePx(stored.largest_radius, near * (1 - kSlack), pixels_at_1m) * (1 + kSlack)};
+}
+
+uint32_t lod::possibleOf(const LodThresholds& t, size_t levels, float band, const SizeRange& sizes) {
+  const auto allBelow = [&](float px) { return sizes.most < px * (1 - band); };
+  const auto noneBelow = [&](float px) { return sizes.least >= px * (1 + band); };
+  uint32_t possible = 0;
+  const auto add = [&](uint32_t representation) { possible |= 1u << representation; };
+  const float surely_point = t.point_px * (1 - rules::kPointSpread);
+  if (!noneBelow(t.point_px)) add(rules::kPoint);
+  if (allBelow(surely_point)) return possible;
+  // A size may count as below a threshold and not below a lower one.
+  const auto mayBeBetween = [&](float low, float high) { return high * (1 + band) > low * (1 - band); };
+  if (mayBeBetween(t.impostor_from_px, t.impostor_px) && !noneBelow(t.impostor_px) && !allBelow(t.impostor_from_px)) {
+    if (mayBeBetween(t.impostor_from_px, t.small_px) && !noneBelow(t.small_px)) add(rules::kSmallImpostor);
+    if (mayBeBetween(t.small_px, t.impostor_px) && !allBelow(t.small_px)) add(rules::kImpostor);
+  }
+  const bool none_smaller = noneBelow(t.impostor_from_px) || t.impostor_from_px * (1 + band) <= surely_point * (1 - band);
+  if (allBelow(t.impostor_px) && none_smaller) return possible;
+  for (uint32_t level = 0; level < levels; ++level) add(rules::kMesh + level);
+  return possible;
 }
 
 void lod::setThresholds(rules::SwarmBlock& block, const LodThresholds& t, float band) {

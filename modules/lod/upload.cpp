@@ -106,37 +106,6 @@ struct Placed {
   bool casts;
 };
 
-// Sizes between which those of all its grains are, px.
-struct SizeRange {
-  float least = 0, most = 0;
-};
-SizeRange sizesOf(const SwarmStore::Stored& stored, const vec3& origin, float pixels_at_1m) {
-  constexpr float kSlack = 1e-4f;  // more than floats round
-  const vec3 low = origin + stored.min, high = origin + stored.max;
-  const float near = glm::length(glm::max(glm::max(low, -high), vec3(0))), far = glm::length(glm::max(glm::abs(low), glm::abs(high)));
-  return {rules::sizePx(stored.least_radius, far, pixels_at_1m) * (1 - kSlack),
-          rules::sizePx(stored.largest_radius, near * (1 - kSlack), pixels_at_1m) * (1 + kSlack)};
-}
-
-// As rules::representationOf chooses among such sizes, whatever the grains were drawn as.
-uint32_t possibleOf(const LodThresholds& t, size_t levels, float band, const SizeRange& sizes) {
-  const auto allBelow = [&](float px) { return sizes.most < px * (1 - band); };
-  const auto noneBelow = [&](float px) { return sizes.least >= px * (1 + band); };
-  uint32_t possible = 0;
-  const auto add = [&](uint32_t representation) { possible |= 1u << representation; };
-  const float surely_point = t.point_px * (1 - rules::kPointSpread);
-  if (!noneBelow(t.point_px)) add(rules::kPoint);
-  if (allBelow(surely_point)) return possible;
-  if (t.impostor_px > t.impostor_from_px && !noneBelow(t.impostor_px) && !allBelow(t.impostor_from_px)) {
-    if (t.impostor_from_px < t.small_px && !noneBelow(t.small_px)) add(rules::kSmallImpostor);
-    if (t.impostor_px > t.small_px && !allBelow(t.small_px)) add(rules::kImpostor);
-  }
-  const bool none_smaller = noneBelow(t.impostor_from_px) || t.impostor_from_px * (1 + band) <= surely_point * (1 - band);
-  if (allBelow(t.impostor_px) && none_smaller) return possible;
-  for (uint32_t level = 0; level < levels; ++level) add(rules::kMesh + level);
-  return possible;
-}
-
 // What the last frame tells of this one, for a ball of grains. Near: the camera has neither gone far from there, as
 // seen from there, nor turned much, so that most of what was seen is seen again.
 enum class Knows { Nothing, Near, Same };
@@ -166,8 +135,11 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   block.candidate_cell = knows == Knows::Nothing ? rules::kCandidateCell
                          : knows == Knows::Near  ? rules::kCandidateCellMoving
                                                  : rules::kCandidateCellStill;
-  const LodThresholds t = thresholdsOf(shape, settings, view.block.pixels_at_1m);
-  setThresholds(block, t, settings.band);
+  const vec2 corner(view.block.tan_half_fov_x, view.block.tan_half_fov_y);
+  const LodThresholds t = thresholdsOf(shape, settings, view.block.pixels_at_1m, 1 + glm::dot(corner, corner));
+  const float band = std::max(settings.band, 0.0f);
+  setThresholds(block, t, band);
+  state.possible |= possibleOf(t, shape.levels.size(), band, sizesOf(stored, vec3(block.origin), view.block.pixels_at_1m));
   block.cull = settings.cull ? 1 : 0;
   const bool grains_apart = settings.view == SwarmView::Representation || settings.view == SwarmView::Frozen;
   block.same_id = grains_apart ? 0 : 1;
@@ -178,7 +150,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     block.first = static_cast<uint32_t>(state.grain_count);
     block.first_id = grains_apart ? rules::kGrainIdBit | (block.first + 1) : placed.placement->entity.index + 1;
     block.run_count = runsOf(chunk.count);
-    orderRuns(chunk, placed.resident->version, routes, -vec3(block.origin), state.order_scratch);
+    if (!state.frozen || routes.ordered_version == 0) orderRuns(chunk, placed.resident->version, routes, -vec3(block.origin), state.order_scratch);
     Part part;
     part.shape = stored.shape;
     part.first = block.first;
@@ -199,7 +171,6 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     part.late = state.blocks.write(block);
     state.parts.push_back(part);
     state.grain_count += chunk.count;
-    state.possible |= possibleOf(t, shape.levels.size(), settings.band, sizesOf(stored, vec3(block.origin), view.block.pixels_at_1m));
   }
 }
 

@@ -28,7 +28,7 @@ bool occludedByPyramid(vec3 center_relative, float radius) {
 }
 
 // The same of the sphere's silhouette disc (sphereDisc() in shared/sphere.h), drawn by triangles:
-// grains and impostors. Hides more: the disc lies behind the sphere's front, and fills only pixels
+// grains. Hides more: the disc lies behind the sphere's front, and fills only pixels
 // whose centres it meets.
 bool discOccludedByPyramid(vec3 center_relative, float radius) {
   return occluded(sphereBounds(occlusionView(), center_relative, radius, kReachCenters, true));

@@ -50,9 +50,10 @@ void main() {
       vec3 center = centerOf(record);
       float radius = radiusOf(record);
 #ifdef LATE
-      bool disc = r < kMesh;
-      if (swarm.cull != 0u && occluded(ellipsoidBounds(eye, center, radius, unpackRotation(record.rotation), swarm.bound,
-                                                       disc ? kReachCenters : kReachTouched, disc)))
+      uint drawn = r == kSmallImpostor ? kAsImage : r == kImpostor ? kAsTriangle : kAsSolid;
+      float reach_px = drawn == kAsSolid ? kReachTouched : kReachCenters;
+      if (swarm.cull != 0u &&
+          occluded(ellipsoidBounds(eye, center, radius, unpackRotation(record.rotation), swarm.bound, reach_px, drawn)))
         r = kHidden;
 #else
       uint in_run = grain + k - run * kRunGrains;

@@ -68,18 +68,62 @@ RULE EllipsoidCorner ellipsoidCorner(Ellipsoid e, vec3 eye, vec2 on_disc) {
   return corner;
 }
 
+// A grain that is small on the screen, as if all rays through it were parallel: pixels are then linear in places of its
+// space.
+struct ParallelImage {
+  vec2 middle_px;    // of the grain
+  vec2 ellipse_px;   // of its ellipsoid, which shows as an ellipse
+  vec2 reach_px;     // of that, along x and y
+  vec3 inside;       // of offsets from it, pixels: x^2, x y, y^2, summed up to 1
+  vec3 along_x;      // what a pixel along x, along y changes in the grain's space, in the plane that faces the eye
+  vec3 along_y;
+};
+RULE ParallelImage parallelImage(mat4 clip_from_relative, vec2 size_px, vec3 center, float radius, vec4 rotation, Ellipsoid e) {
+  mat4 m = clip_from_relative;
+  vec3 row_x = vec3(m[0][0], m[1][0], m[2][0]), row_y = vec3(m[0][1], m[1][1], m[2][1]), row_w = vec3(m[0][3], m[1][3], m[2][3]);
+  vec4 clip = m * vec4(center, 1.0f);
+  vec2 ndc = vec2(clip.x, clip.y) / clip.w, half_size = size_px * 0.5f, scale = half_size * (radius / clip.w);
+  ParallelImage image;
+  image.middle_px = (ndc + vec2(1.0f, 1.0f)) * half_size;
+  // How pixels change with a place in the grain's space: both are perpendicular to the ray through its centre.
+  vec4 back = vec4(vec3(rotation) * -1.0f, rotation.w);
+  vec3 gx = rotateBy(back, row_x - row_w * ndc.x) * scale.x, gy = rotateBy(back, row_y - row_w * ndc.y) * scale.y;
+  float xx = dot(gx, gx), xy = dot(gx, gy), yy = dot(gy, gy), share = 1.0f / (xx * yy - xy * xy);
+  image.along_x = (gx * yy - gy * xy) * share;
+  image.along_y = (gy * xx - gx * xy) * share;
+  image.ellipse_px = image.middle_px + vec2(dot(gx, vec3(e.center)), dot(gy, vec3(e.center)));
+  vec3 x = vec3(dot(gx, vec3(e.axis_a)), dot(gx, vec3(e.axis_b)), dot(gx, vec3(e.axis_c)));
+  vec3 y = vec3(dot(gy, vec3(e.axis_a)), dot(gy, vec3(e.axis_b)), dot(gy, vec3(e.axis_c)));
+  vec3 area = cross(x, y);
+  image.inside = vec3(dot(y, y), dot(x, y) * -2.0f, dot(x, x)) * (1.0f / dot(area, area));
+  image.reach_px = sqrt(vec2(dot(x, x), dot(y, y)));
+  return image;
+}
+// That is so as long as the outer radius is at most this share of the distance, where pixels are not stretched: at their
+// widest by `stretch`, 1 + the squared tangents to the picture's corner.
+const float kMostParallel = 0.0625f;
+RULE float mostParallelPx(float pixels_at_1m, float stretch) { return kMostParallel * pixels_at_1m / stretch; }
+
 // By how much its silhouette, as computed here and by a vertex program, may be off: 512u of its extent.
 const float kEllipsoidError = 3.0517578125e-05f;
 
-// Where what lies in the ellipsoid of a grain may show, and how near; see sphereBounds(). `disc`: it is drawn as the
-// triangle above; otherwise as whatever lies both in the ellipsoid and in the outer sphere.
+// How a grain is drawn, as far as its bounds are concerned.
+const uint kAsSolid = 0u;     // whatever lies both in the ellipsoid and in the outer sphere
+const uint kAsTriangle = 1u;  // by the corners above
+const uint kAsImage = 2u;     // as parallelImage() has it
+
+// Where it may show, and how near; see sphereBounds().
 RULE SphereBounds ellipsoidBounds(OcclusionView v, vec3 center, float radius, vec4 rotation, Ellipsoid e, float reach_px,
-                                  bool disc) {
+                                  uint drawn) {
+  bool disc = drawn != kAsSolid;
   float reach = radius * max(e.center.w, 1.0f), distance2 = dot(center, center);
-  SphereBounds b = sphereBounds(v, center, reach, reach_px, disc);
-  // A little more than where the corners change their rule.
-  float far = 1.01f * kLeastEllipsoidEye * radius;
-  if (!b.known || !(distance2 > far * far)) return b;
+  // Where the corners change their rule, and a little more to both sides.
+  float near_eye = 0.99f * kLeastEllipsoidEye * radius, far_eye = 1.01f * kLeastEllipsoidEye * radius;
+  SphereBounds b = sphereBounds(v, center, disc && distance2 > near_eye * near_eye ? reach : radius, reach_px, disc);
+  // Rays that are drawn as parallel leave the sphere's bounds.
+  SphereBounds else_b = b;
+  if (drawn == kAsImage) else_b.known = false;
+  if (!b.known || !(distance2 > far_eye * far_eye)) return else_b;
 
   vec4 back = vec4(vec3(rotation) * -1.0f, rotation.w);
   vec3 right = rotateBy(back, vec3(v.right)), up = rotateBy(back, vec3(v.up)), forward = rotateBy(back, vec3(v.forward));
@@ -92,18 +136,19 @@ RULE SphereBounds ellipsoidBounds(OcclusionView v, vec3 center, float radius, ve
   vec3 aw = vec3(dot(forward, vec3(e.axis_a)), dot(forward, vec3(e.axis_b)), dot(forward, vec3(e.axis_c))) * radius;
   float distance = sqrt(distance2), error = v.center_error * distance + kEllipsoidError * reach;
   float half_depth = sqrt(dot(aw, aw)), nearest = w - half_depth - error;
-  if (!(nearest >= v.forward.w)) return b;
+  if (!(nearest >= v.forward.w)) return else_b;
 
-  float aside = sqrt(max(distance2 - dot(vec3(v.forward), center) * dot(vec3(v.forward), center), 0.0f));
   if (disc) {
-    // Small impostors are drawn as if rays through them were parallel.
-    error += 1.25f * reach * reach / nearest;
+    vec2 across = vec2(dot(vec3(v.right), center), dot(vec3(v.up), center));
+    float aside = sqrt(dot(across, across));
+    // A place p of the ellipsoid is drawn as if it were at the centre's distance w: off by at most |p|^2 / (w - |p|).
+    if (drawn == kAsImage) error += 1.25f * reach * reach / nearest;
     // In the plane of the sphere's disc, within the cone of rays to the ball around the ellipsoid.
     float share = (distance - radius) * (distance + radius) / distance2;
     float half_disc = share * reach / sqrt((distance - reach) * (distance + reach)) * aside;
     float disc_nearest = dot(vec3(v.forward), center) * share - half_disc - error;
-    // The triangle reaches three times as far.
-    if (!(disc_nearest >= 3.0f * half_disc)) return b;
+    // The triangle reaches up to 2.2 times as far.
+    if (!(disc_nearest >= 3.0f * half_disc)) return else_b;
     b.depth = v.forward.w / disc_nearest * v.depth_scale;
   } else {
     b.depth = min(b.depth, v.forward.w / max(nearest - kEdgeOnShare * radius, v.forward.w) * v.depth_scale);

@@ -90,7 +90,7 @@ TEST_F(OutlinesDrawn, AreTheMasks) {
       const quat back = glm::conjugate(quat(q.w, q.x, q.y, q.z));
       const impostors::OutlineView view{back * vec3(0, 0, 1), back * vec3(1, 0, 0), back * vec3(0, 1, 0), c.nearness};
       const int level = rules::impostorLevel(shapes[k].atlas.texels, 2 * c.size_px, rules::kImpostorShapeBias);
-      const bool small = c.size_px < rules::kSmallPx;
+      const bool small = scene.drawn().mayBe(rules::kSmallImpostor);
       const impostors::OutlineMask mask = c.only == rules::kMesh ? impostors::meshOutline(shapes[k].levels.front(), view, c.size_px)
                                                                  : impostors::impostorOutline(shapes[k].atlas, view, level, small, c.size_px);
       const int left = (scene.size.x - mask.side) / 2, low = (scene.size.y - mask.side) / 2;

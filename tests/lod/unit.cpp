@@ -4,6 +4,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -169,6 +170,38 @@ TEST(Representation, TremblingAtAThresholdSwitchesOnce) {
   }
 }
 
+// Of sizes in a range, whatever a grain was before: passes that draw what is not "possible" do not run. Also where thresholds
+// lie closer together than the band is wide.
+TEST(Representation, IsOneOfThePossible) {
+  uint64_t drawn = 0;
+  const auto unit = [&] { return randomUnit(11, drawn++, 0, 0); };
+  size_t far_fewer = 0;
+  for (int k = 0; k < 200000; ++k) {
+    GrainShape shape = measuredShape();
+    for (SizeError& e : shape.impostor) e.outline = 0.1f * unit(), e.small_outline = 0.3f * unit();
+    shape.point_outline = unit();
+    if (k % 5 == 0) shape.impostor.clear();
+    LodSettings settings{.tolerance_px = 1.5f * unit(), .band = k % 3 == 0 ? 0.5f * unit() : 0.05f};
+    if (k % 7 == 0) settings.only = static_cast<uint32_t>(k / 7 % 6);
+    const float pixels_at_1m = std::exp(8 * unit());
+    const LodThresholds t = thresholdsOf(shape, settings, pixels_at_1m, 1 + 4 * unit() * unit());
+    // Most where several thresholds are near each other.
+    const float middle = k % 2 == 0 ? t.impostor_px * (0.8f + 0.4f * unit()) : 0;
+    const float least = middle > 0 && middle < 1e6f ? middle : std::exp(8 * unit() - 3), most = least * std::exp(unit() * unit());
+    const uint32_t possible = lod::possibleOf(t, shape.levels.size(), settings.band, {least, most});
+    const rules::SwarmBlock block = blockOf(t, settings.band);
+    uint32_t chosen = 0;
+    for (int j = 0; j < 30; ++j) {
+      const float size = least + (most - least) * (j < 2 ? static_cast<float>(j) : unit());
+      const auto before = static_cast<uint32_t>(16 * unit());
+      chosen |= 1u << rules::representationOf(size, unit(), before, block);
+    }
+    ASSERT_EQ(chosen & ~possible, 0u) << k << ": " << least << " to " << most << " px";
+    far_fewer += std::popcount(possible) <= 1;
+  }
+  EXPECT_GT(far_fewer, 40000u);
+}
+
 TEST(SwarmStores, RefuseWhatIsNotFinite) {
   SwarmStore store;
   GrainShape shape;
@@ -189,12 +222,29 @@ TEST(SwarmStores, RefuseWhatIsNotFinite) {
   EXPECT_EQ(store.swarm(swarm).count, 2u);
   EXPECT_EQ(store.swarm(swarm).refused, 8u);
   EXPECT_EQ(store.swarm(swarm).largest_radius, 1);
+  EXPECT_EQ(store.swarm(swarm).least_radius, 1);
   const SwarmStore::Fill fill = [&](uint64_t, std::span<rules::SwarmRecord> records) {
     for (size_t k = 0; k < records.size(); ++k) records[k] = packed(SwarmGrain{.radius = k == 1 ? 0.0f : 1.0f}, 1);
     records[2].x = 1e20f;
   };
   EXPECT_EQ(store.swarm(store.add("filled", handle, 4, 1, fill)).refused, 2u);
   EXPECT_EQ(store.swarm(store.add("empty", handle, std::span<const SwarmGrain>{})).count, 0u);
+}
+
+TEST(SwarmStores, EllipsoidsThatAreNoneAreKnown) {
+  EXPECT_TRUE(soundEllipsoid(rules::unitBall()));
+  const auto with = [](auto change) {
+    rules::Ellipsoid e = rules::unitBall();
+    change(e);
+    return soundEllipsoid(e);
+  };
+  EXPECT_TRUE(with([](auto& e) { e.axis_a = vec4(0.5f, 0, 0, 4); }));
+  EXPECT_FALSE(with([](auto& e) { e.axis_a = vec4(0.5f, 0, 0, 1); })) << "length and inverse differ";
+  EXPECT_FALSE(with([](auto& e) { e.axis_b = e.axis_a; })) << "not perpendicular";
+  EXPECT_FALSE(with([](auto& e) { e.axis_c = vec4(0); }));
+  EXPECT_FALSE(with([](auto& e) { e.center.w = 0.9f; })) << "reaches farther";
+  EXPECT_FALSE(with([](auto& e) { e.center.x = std::nanf(""); }));
+  EXPECT_FALSE(with([](auto& e) { e.center.x = 0.5f; })) << "reaches farther";
 }
 
 TEST(SwarmStores, NeighboursInTheListAreNeighboursInSpace) {

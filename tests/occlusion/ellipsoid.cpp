@@ -6,6 +6,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "shaders/shared/ellipsoid.h"
+#include "shaders/shared/swarm.h"
 #include "tests/occlusion/exact.h"
 
 namespace scree::test {
@@ -125,8 +126,9 @@ TEST(EllipsoidBounds, HoldIt) {
     const quat turn(lookingAlong(random.direction(), random.between(-3, 3)));
     const vec4 rotation(turn.x, turn.y, turn.z, turn.w);
     const Seen seen = seenOf(exact, e, dvec3(center), (double)radius, glm::dquat(turn));
-    for (const bool disc : {false, true}) {
-      const SphereBounds b = ellipsoidBounds(v, center, radius, rotation, e, disc ? kReachCenters : kReachTouched, disc);
+    for (const uint drawn : {kAsSolid, kAsTriangle}) {
+      const bool disc = drawn == kAsTriangle;
+      const SphereBounds b = ellipsoidBounds(v, center, radius, rotation, e, disc ? kReachCenters : kReachTouched, drawn);
       known += b.known;
       if (!b.known) continue;
       ASSERT_TRUE(std::isfinite(b.depth) && b.depth > 0);
@@ -140,8 +142,8 @@ TEST(EllipsoidBounds, HoldIt) {
         if (first > last) continue;
         ASSERT_LE(b.first_px[axis], first) << k << " axis " << axis << " disc " << disc;
         ASSERT_GE(b.last_px[axis], last) << k << " axis " << axis << " disc " << disc;
-        // Nearer the sphere counts; and of what is drawn as small impostors are, that they are.
-        if (glm::length(center) < (disc ? 200.0f : 9.0f) * radius) continue;
+        // Nearer the sphere counts; for triangles as long as their corners may come near the eye's plane.
+        if (glm::dot(exact.forward, dvec3(center)) < (disc ? 30 : 9) * (double)radius) continue;
         const double extent = seen.high[axis] - seen.low[axis];
         const double loose = std::max(first - b.first_px[axis], b.last_px[axis] - last);
         // Beyond the two pixels of rounding.
@@ -156,6 +158,75 @@ TEST(EllipsoidBounds, HoldIt) {
   EXPECT_LT(loose_share, 0.02);
 }
 
+// What small impostors draw is not what is seen: the bounds must hold the former. From as near as 3 outer radii, in any
+// picture and field of view: they may be unknown, never wrong.
+TEST(EllipsoidBounds, HoldTheParallelImage) {
+  Random random(5);
+  int known = 0, small = 0, small_known = 0;
+  float largest = 0;
+  for (int k = 0; k < 400000; ++k) {
+    const ivec2 size(1 + (int)random.between(0, 1800), 1 + (int)random.between(0, 1000));
+    const View view = randomView(random, size, random.between(0.1f, 2.9f), 0.001f);
+    const ExactView exact(view);
+    const ViewBlock& block = view.block;
+    const OcclusionView v = occlusionView(block.clip_from_relative, block.size_px, block.near_m);
+    const Ellipsoid e = randomEllipsoid(random, k % 4 < 2 ? 0.05f : 0.9f);
+    const float far = std::exp(random.between(-1, 8)), radius = far / (3 * std::exp(random.between(0, k % 2 == 0 ? 2.0f : 10.0f)));
+    const vec3 center = exact.somewhere(random, far, 1.05);
+    const quat turn(lookingAlong(random.direction(), random.between(-3, 3)));
+    const vec4 rotation(turn.x, turn.y, turn.z, turn.w);
+    const float stretch = 1 + (float)glm::dot(exact.tangent, exact.tangent);
+    const bool is_small = sizePx(radius, glm::length(center), block.pixels_at_1m) <
+                          std::min(kSmallPx, mostParallelPx(block.pixels_at_1m, stretch));
+    const SphereBounds b = ellipsoidBounds(v, center, radius, rotation, e, kReachCenters, kAsImage);
+    small += is_small, known += b.known, small_known += is_small && b.known;
+    if (!b.known) continue;
+    const ParallelImage image = parallelImage(block.clip_from_relative, block.size_px, center, radius, rotation, e);
+    if (is_small) largest = std::max({largest, image.reach_px.x, image.reach_px.y});
+    ASSERT_GE(b.depth, block.near_m / (float)glm::dot(exact.forward, dvec3(center)));
+    for (int axis = 0; axis < 2; ++axis) {
+      const double first = std::max(0.0, std::ceil((double)(image.ellipse_px[axis] - image.reach_px[axis]) - 0.5));
+      const double last = std::min((double)size[axis] - 1, std::floor((double)(image.ellipse_px[axis] + image.reach_px[axis]) - 0.5));
+      if (first > last) continue;
+      ASSERT_LE(b.first_px[axis], first) << k << ": D / r " << glm::length(center) / radius;
+      ASSERT_GE(b.last_px[axis], last) << k << ": D / r " << glm::length(center) / radius;
+    }
+  }
+  std::printf("%d known; of %d that are small %d; these reach up to %.1f px\n", known, small, small_known, (double)largest);
+  EXPECT_LT(largest, 60) << "points may not be as large";
+  EXPECT_GT(small, 50000);
+  EXPECT_GT(small_known, small * 99 / 100);
+}
+
+// The image is the place's own, to first order: that of points near the centre.
+TEST(ParallelImage, MapsPlacesToPixelsAndBack) {
+  Random random(6);
+  for (int k = 0; k < 2000; ++k) {
+    const View view = randomView(random, {1280, 720}, random.between(0.3f, 1.6f), 0.01f);
+    const ExactView exact(view);
+    const vec3 center = exact.somewhere(random, 100, 0.9);
+    const quat turn(lookingAlong(random.direction(), random.between(-3, 3)));
+    const ParallelImage image = parallelImage(view.block.clip_from_relative, view.block.size_px, center, 0.1f, vec4(turn.x, turn.y, turn.z, turn.w), unitBall());
+    const auto pixelOf = [&](const dvec3& p) { return exact.center + exact.scale * dvec2(glm::dot(exact.right, p), glm::dot(exact.up, p)) / glm::dot(exact.forward, p); };
+    ASSERT_LT(glm::length(pixelOf(dvec3(center)) - dvec2(image.middle_px)), 1e-3);
+    // A step of (1, 0) and (0, 1) pixels, and one of the unit ball's silhouette.
+    const dvec3 along[2] = {dvec3(image.along_x), dvec3(image.along_y)};
+    for (int axis = 0; axis < 2; ++axis) {
+      const dvec2 moved = pixelOf(dvec3(center) + glm::dquat(turn) * along[axis] * (0.1 * 0.01)) - pixelOf(dvec3(center));
+      dvec2 want(0);
+      want[axis] = 0.01;
+      ASSERT_LT(glm::length(moved - want), 1e-4);
+      ASSERT_LT(std::abs(glm::dot(dvec3(center), glm::dquat(turn) * along[axis])) / glm::length(dvec3(center)) / glm::length(along[axis]), 1e-4);
+    }
+    const Seen seen = seenOf(exact, unitBall(), dvec3(center), 0.1, glm::dquat(turn));
+    for (int axis = 0; axis < 2; ++axis)
+      ASSERT_NEAR((seen.high[axis] - seen.low[axis]) / 2, (double)image.reach_px[axis], 0.01 * (double)image.reach_px[axis]);
+    // Its edge is where the form is 1.
+    const float x = image.reach_px.x, y = -0.5f * image.inside.y * x / image.inside.z;
+    ASSERT_NEAR(image.inside.x * x * x + image.inside.y * x * y + image.inside.z * y * y, 1, 1e-3f);
+  }
+}
+
 TEST(EllipsoidBounds, OfTheUnitBallAreThoseOfTheSphere) {
   Random random(3);
   for (int k = 0; k < 2000; ++k) {
@@ -166,7 +237,7 @@ TEST(EllipsoidBounds, OfTheUnitBallAreThoseOfTheSphere) {
     const vec3 center = exact.somewhere(random, far, 0.9);
     const float radius = far / (20 * std::exp(random.between(0, 6)));
     const SphereBounds sphere = sphereBounds(v, center, radius, kReachTouched, false);
-    const SphereBounds ellipsoid = ellipsoidBounds(v, center, radius, vec4(0, 0, 0, 1), unitBall(), kReachTouched, false);
+    const SphereBounds ellipsoid = ellipsoidBounds(v, center, radius, vec4(0, 0, 0, 1), unitBall(), kReachTouched, kAsSolid);
     ASSERT_EQ(sphere.known, ellipsoid.known);
     for (int axis = 0; axis < 2; ++axis) {
       ASSERT_LE(std::abs(sphere.first_px[axis] - ellipsoid.first_px[axis]), 1);
@@ -182,8 +253,8 @@ TEST(EllipsoidBounds, AreUnknownWhereNothingCanBeTold) {
   Random random(4);
   const Ellipsoid e = randomEllipsoid(random);
   const float nan = std::nanf("");
-  for (const bool disc : {false, true}) {
-    const auto known = [&](vec3 center, float radius) { return ellipsoidBounds(v, center, radius, vec4(0, 0, 0, 1), e, 0, disc).known; };
+  for (const uint drawn : {kAsSolid, kAsTriangle, kAsImage}) {
+    const auto known = [&](vec3 center, float radius) { return ellipsoidBounds(v, center, radius, vec4(0, 0, 0, 1), e, 0, drawn).known; };
     EXPECT_TRUE(known({0, 0, -50}, 1));
     EXPECT_FALSE(known({0, 0, -0.5f}, 1));
     EXPECT_FALSE(known({0, 0, 5}, 1));
