@@ -74,6 +74,11 @@ class Grid {
 
   // Where the grain was at the last search, or when it was moved alone; it must be listed.
   vec3 listedAt(uint32_t slot) const { return {x_[slot], y_[slot], z_[slot]}; }
+  // Of `slot` and those behind it.
+  Reaches reachesFrom(uint32_t slot) const {
+    return {&x_[slot], &y_[slot], &z_[slot], &radius_[slot], &reach_[slot]};
+  }
+  uint32_t listed() const { return listed_; }
   // Of one that is not listed yet: where it is.
   Reference referenceOf(const Bodies& bodies, uint32_t slot) const {
     return {slot < listed_ ? listedAt(slot) : bodies.body[slot].position, bodies.margin[slot]};

@@ -61,8 +61,7 @@ class Grid::Finder {
  public:
   Finder(const Grid& grid, uint32_t slot, std::vector<uint32_t>& found)
       : kernels_(*grid.kernels_),
-        grains_{grid.x_.data(), grid.y_.data(), grid.z_.data(), grid.radius_.data(),
-                grid.reach_.data()},
+        grains_(grid.reachesFrom(0)),
         slot_(slot),
         found_(found) {}
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "engine/core/math.h"
 #include "engine/ecs/entity.h"
 
 namespace scree::grains {
@@ -24,6 +25,21 @@ inline constexpr uint32_t kNearBit = 0x80000000u;
 // Distance of centres in sums of radii, below which they do.
 inline constexpr float kNearlyTouching = 1.005f;
 
+// Grains that the loops over all of them take at a time.
+inline constexpr uint32_t kRow = 16;
+struct Prediction {
+  vec3 gravity_step{0};  // velocity that gravity adds in the substep, m/s
+  float h = 0;           // substep, s
+  vec3 drift{0};         // that margins are measured against, m/s
+  vec3 drifted{0};       // m, since the search
+};
+struct Motion {
+  float h = 0;           // substep, s
+  float keep = 1;        // share of the velocity that damping leaves
+  float fast = 0;        // m/s
+  float most_speed = 0;  // m/s of the surface: a grain that spins faster stops spinning
+};
+
 struct Kernels {
   // Velocities take up the impulses kept from the last substep.
   void (*applyKept)(PairSlab& slab, Body* body, const PassSettings& settings);
@@ -33,6 +49,12 @@ struct Kernels {
   // are; may write kMostLanes more than that.
   uint32_t (*scan)(const Reaches& grains, uint32_t slot, const SlotRange* range,
                    uint32_t range_count, uint32_t* hits);
+  // Adds gravity to kRow bodies; true if one of them may leave its margin around where it is listed.
+  bool (*predict)(Body* body, const Reaches& listed, const float* margin, const Prediction& settings);
+  // Moves kRow bodies from where they were, which it writes to `from`. `smooth`: squares of the
+  // changes of velocity up to which places follow the mean of the velocities before and after. Returns a
+  // bit for each that is faster than settings.fast.
+  uint32_t (*move)(Body* body, const float* smooth, const Motion& settings, float (&from)[3][kRow]);
 };
 extern const Kernels kBaselineKernels;
 // Null where this processor or compiler lacks the set.

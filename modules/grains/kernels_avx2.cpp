@@ -16,6 +16,7 @@
 #include "modules/grains/lanes.h"
 #include "modules/grains/pair_kernel.h"
 #include "modules/grains/scan_kernel.h"
+#include "modules/grains/move_kernel.h"
 #if defined(__clang__)
 #pragma clang attribute pop
 #else
@@ -25,7 +26,8 @@
 namespace scree::grains {
 
 const Kernels* avx2Kernels() {
-  static constexpr Kernels kThese{avx2::applyKept, avx2::relax, avx2::scan};
+  static constexpr Kernels kThese{avx2::applyKept, avx2::relax, avx2::scan, avx2::predict,
+                                 avx2::move};
   return __builtin_cpu_supports("avx2") ? &kThese : nullptr;
 }
 

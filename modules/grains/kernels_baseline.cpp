@@ -7,6 +7,7 @@
 #include "modules/grains/lanes.h"
 #include "modules/grains/pair_kernel.h"
 #include "modules/grains/scan_kernel.h"
+#include "modules/grains/move_kernel.h"
 
 namespace scree::grains {
 
@@ -20,7 +21,8 @@ vec3 anyDirection(Entity a, Entity b) {
   return v * ((swapped ? -1.0f : 1.0f) / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z));
 }
 
-const Kernels kBaselineKernels{baseline::applyKept, baseline::relax, baseline::scan};
+const Kernels kBaselineKernels{baseline::applyKept, baseline::relax, baseline::scan, baseline::predict,
+                                 baseline::move};
 
 const Kernels* kernelsOf(Lanes lanes) {
   switch (lanes) {

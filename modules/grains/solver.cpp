@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "engine/core/parallel.h"
@@ -165,14 +167,19 @@ void GrainSolver::predict(vec3 gravity_step, float h, std::span<const Force> for
     return !(2.001f * (way + next) <= reference.margin * reference.margin) &&
            !(std::sqrt(way) + std::sqrt(next) <= reference.margin);
   };
-  const bool pushed = !forces.empty();
+  const Prediction prediction{gravity_step, h, drift_, drift};
+  const size_t in_rows = forces.empty() ? std::min(bodies_.count, grid_.listed()) : 0;
   parallelChunks(bodies_.count, kChunk, [&](size_t chunk, size_t begin, size_t end) {
     bool any = false;
-    for (size_t k = begin; k < end; ++k) {
+    size_t k = begin;
+    for (; k + kRow <= std::min(end, in_rows); k += kRow)
+      any = kernels_->predict(&bodies_.body[k], grid_.reachesFrom(static_cast<uint32_t>(k)), &bodies_.margin[k],
+                              prediction) || any;
+    for (; k < end; ++k) {
       Body& grain = bodies_.body[k];
       grain.velocity_before = grain.velocity;
       grain.velocity += grain.gravity_scale * gravity_step;
-      if (pushed) grain.velocity += grain.gravity_scale * pushOn(grain, forces, gravity_step, h);
+      if (!forces.empty()) grain.velocity += grain.gravity_scale * pushOn(grain, forces, gravity_step, h);
       any = leaves(k) || any;
     }
     chunk_flags_[chunk] = any;
@@ -288,39 +295,42 @@ void GrainSolver::collectLoads(std::span<Collider> colliders, bool last_substep)
 void GrainSolver::move(vec3 gravity_step, float h, float keep, std::span<const Force> forces,
                        bool walls) {
   const float smooth = 1.01f * glm::length(gravity_step);
-  const float smooth_square = smooth * smooth;
   drift_time_ += h;
-  const bool pushed = !forces.empty();
   // Slower grains stay where they are listed.
   const float fast = walls ? std::min(keep * least_margin_way_ / h, kMostSpeed) : kMostSpeed;
+  const Motion motion{h, keep, fast, kMostSpeed};
   driven_.resize((bodies_.count + kChunk - 1) / kChunk);
   parallelChunks(bodies_.count, kChunk, [&](size_t chunk, size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) {
-      Body& grain = bodies_.body[k];
-      const vec3 before = grain.position;
-      const vec3 change = grain.velocity - grain.velocity_before;
-      float most = smooth_square;
-      if (pushed) {
-        const vec3 push = pushOn(grain, forces, gravity_step, h);
+    std::array<float, kRow> most;
+    most.fill(smooth * smooth);
+    float from[3][kRow];
+    for (size_t first = begin; first < end; first += kRow) {
+      const size_t n = std::min<size_t>(kRow, end - first);
+      Body* const row = &bodies_.body[first];
+      for (size_t k = 0; k < n && !forces.empty(); ++k) {
+        const vec3 push = pushOn(row[k], forces, gravity_step, h);
         const float pushes = smooth + 1.01f * std::sqrt(glm::dot(push, push));
-        most = pushes * pushes;
+        most[k] = pushes * pushes;
       }
-      const float half = glm::dot(change, change) <= most ? 0.5f : 0.0f;
-      grain.position += h * (grain.velocity - half * change);
-      grain.velocity *= keep;
-      grain.spin *= keep;
-      if (!(glm::dot(grain.velocity, grain.velocity) <= fast * fast)) {
+      uint32_t fast_ones = 0;
+      if (n == kRow) {
+        fast_ones = kernels_->move(row, most.data(), motion, from);
+      } else {
+        std::array<Body, kRow> last;
+        std::copy_n(row, n, last.begin());
+        fast_ones = kernels_->move(last.data(), most.data(), motion, from) & ((1u << n) - 1);
+        std::copy_n(last.begin(), n, row);
+      }
+      for (; fast_ones != 0; fast_ones &= fast_ones - 1) {
+        const size_t k = static_cast<size_t>(std::countr_zero(fast_ones)), slot = first + k;
+        Body& grain = row[k];
         // Only numbers beyond all physics are zeroed; they must not spread.
-        if (!(glm::dot(grain.velocity, grain.velocity) <= kMostSpeed * kMostSpeed))
-          grain.velocity = vec3(0);
-        const Reference reference = grid_.referenceOf(bodies_, static_cast<uint32_t>(k));
+        if (!(glm::dot(grain.velocity, grain.velocity) <= kMostSpeed * kMostSpeed)) grain.velocity = vec3(0);
+        const Reference reference = grid_.referenceOf(bodies_, static_cast<uint32_t>(slot));
         const vec3 strayed = grain.position - reference.position - drift_ * drift_time_;
         if (walls && !(glm::dot(strayed, strayed) <= reference.margin * reference.margin))
-          driven_[chunk].push_back({static_cast<uint32_t>(k), before});
+          driven_[chunk].push_back({static_cast<uint32_t>(slot), {from[0][k], from[1][k], from[2][k]}});
       }
-      if (!(glm::dot(grain.spin, grain.spin) * grain.radius * grain.radius <=
-            kMostSpeed * kMostSpeed))
-        grain.spin = vec3(0);
     }
   });
 }
