@@ -217,18 +217,20 @@ struct ColliderContact {
   bool guarded = false;  // see Guard
   bool gives = false;    // with a rigid body awake: Rigids solves it
   vec3 impulse{0};   // on the grain, N s
+  float trust = 0;
   vec3 rolling{0};   // angular impulse on the grain, N m s
+  float approach = 0;  // separation speed that a bounce asks for, m/s
   float friction = 0, rolling_friction = 0, restitution = 0;
   float pull = 0;    // force that parts grain and collider, N
-  float trust = 0;
-  float approach = 0;  // separation speed that a bounce asks for, m/s
-  // Of the substep: the surface as a plane, n . x = offset, and its velocity.
+  // Of the substep: the surface as a plane, n . x = offset, and its velocity. Of the grain what is divided
+  // once for all passes.
   vec3 normal{0};
   float offset = 0;
-  float flat = 0;  // SurfacePoint::flat
-  float mass = 0, spin_factor = 0;  // of the grain: divided once for all passes
   vec3 surface_velocity{0};
+  float mass = 0;
   vec3 surface_spin{0};
+  float spin_factor = 0;
+  float flat = 0;  // SurfacePoint::flat
 };
 
 // Where a grain is, as a collider sees it, at the substep's begin: it must not come to the surface by
@@ -353,6 +355,9 @@ void setSurface(ColliderContact& contact, const SurfacePoint& near, const Body& 
 // Whether a collider's material goes by more than the grain's radius in a substep.
 bool drives(const PosedCollider& collider, const Body& grain, float h);
 void applyKeptColliders(ColliderSlab& slab, Body* body);
+void relaxContact(ColliderSlab& slab, ColliderContact& contact, Body& grain, std::span<const PosedCollider> posed,
+                  const PassSettings& settings);
+// One after the other, those with bodies awake left out. Kernels::relaxWalls does the same.
 void relaxColliders(ColliderSlab& slab, Body* body, std::span<const PosedCollider> posed,
                     const PassSettings& settings);
 

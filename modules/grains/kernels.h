@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "engine/core/math.h"
 #include "engine/ecs/entity.h"
@@ -9,7 +10,9 @@
 namespace scree::grains {
 
 struct Body;
+struct ColliderSlab;
 struct PairSlab;
+struct PosedCollider;
 struct PassSettings;
 
 // What a search reads of all grains, by slot, with kMostLanes idle entries behind the last.
@@ -45,6 +48,9 @@ struct Kernels {
   void (*applyKept)(PairSlab& slab, Body* body, const PassSettings& settings);
   // One pass: impulses that stop approach and sliding, then a shift that undoes overlap.
   void (*relax)(PairSlab& slab, Body* body, const Entity* entity, const PassSettings& settings);
+  // The same of contacts with colliders.
+  void (*relaxWalls)(ColliderSlab& slab, Body* body, std::span<const PosedCollider> posed,
+                     const PassSettings& settings);
   // Writes the grains of the ranges within reach of `slot`, in order, and returns how many they
   // are; may write kMostLanes more than that.
   uint32_t (*scan)(const Reaches& grains, uint32_t slot, const SlotRange* range,

@@ -15,6 +15,7 @@
 #define SCREE_LANES_AVX2
 #include "modules/grains/lanes.h"
 #include "modules/grains/pair_kernel.h"
+#include "modules/grains/wall_kernel.h"
 #include "modules/grains/scan_kernel.h"
 #include "modules/grains/move_kernel.h"
 #if defined(__clang__)
@@ -26,8 +27,8 @@
 namespace scree::grains {
 
 const Kernels* avx2Kernels() {
-  static constexpr Kernels kThese{avx2::applyKept, avx2::relax, avx2::scan, avx2::predict,
-                                 avx2::move};
+  static constexpr Kernels kThese{avx2::applyKept, avx2::relax, avx2::relaxWalls, avx2::scan,
+                                 avx2::predict, avx2::move};
   return __builtin_cpu_supports("avx2") ? &kThese : nullptr;
 }
 

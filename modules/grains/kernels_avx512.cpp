@@ -19,6 +19,7 @@
 #define SCREE_LANES_AVX512
 #include "modules/grains/lanes.h"
 #include "modules/grains/pair_kernel.h"
+#include "modules/grains/wall_kernel.h"
 #include "modules/grains/scan_kernel.h"
 #include "modules/grains/move_kernel.h"
 #if defined(__clang__)
@@ -30,8 +31,8 @@
 namespace scree::grains {
 
 const Kernels* avx512Kernels() {
-  static constexpr Kernels kThese{avx512::applyKept, avx512::relax, avx512::scan, avx512::predict,
-                                 avx512::move};
+  static constexpr Kernels kThese{avx512::applyKept, avx512::relax, avx512::relaxWalls, avx512::scan,
+                                 avx512::predict, avx512::move};
   const bool there = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                      __builtin_cpu_supports("avx512vl");
   return there ? &kThese : nullptr;

@@ -6,6 +6,7 @@
 #define SCREE_LANES baseline
 #include "modules/grains/lanes.h"
 #include "modules/grains/pair_kernel.h"
+#include "modules/grains/wall_kernel.h"
 #include "modules/grains/scan_kernel.h"
 #include "modules/grains/move_kernel.h"
 
@@ -21,8 +22,8 @@ vec3 anyDirection(Entity a, Entity b) {
   return v * ((swapped ? -1.0f : 1.0f) / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z));
 }
 
-const Kernels kBaselineKernels{baseline::applyKept, baseline::relax, baseline::scan, baseline::predict,
-                                 baseline::move};
+const Kernels kBaselineKernels{baseline::applyKept, baseline::relax, baseline::relaxWalls, baseline::scan,
+                                 baseline::predict, baseline::move};
 
 const Kernels* kernelsOf(Lanes lanes) {
   switch (lanes) {

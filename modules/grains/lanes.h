@@ -64,6 +64,10 @@ inline Vec3s<Floats> cross(Vec3s<Floats> a, Vec3s<Floats> b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class Floats>
+inline Vec3s<Floats> select(typename Floats::Mask mask, Vec3s<Floats> a, Vec3s<Floats> b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
+template <class Floats>
 inline Vec3s<Floats> inBatches(typename Floats::Mask active, Vec3s<Floats> now, Vec3s<Floats> before) {
   return {inBatches(active, now.x, before.x), inBatches(active, now.y, before.y),
           inBatches(active, now.z, before.z)};

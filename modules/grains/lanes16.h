@@ -51,10 +51,10 @@ inline Mask16 wholeBatches(Mask16 mask) {
 }
 inline Float16 inBatches(Mask16 active, Float16 now, Float16 before) { return select(active, now, before); }
 
-SCREE_INLINE inline void gather(const float* base, size_t stride, const uint32_t* slot, Float16& x, Float16& y,
-                   Float16& z, Float16& w) {
+template <class RowOf>
+SCREE_INLINE inline void gather(const RowOf& rowOf, Float16& x, Float16& y, Float16& z, Float16& w) {
   const auto rows = [&](int k) SCREE_INLINE {
-    const auto row = [&](int at) SCREE_INLINE { return _mm_load_ps(base + stride * slot[at]); };
+    const auto row = [&](int at) SCREE_INLINE { return _mm_loadu_ps(rowOf(at)); };
     const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(row(k)), row(k + 4), 1);
     const __m256 high = _mm256_insertf128_ps(_mm256_castps128_ps256(row(k + 8)), row(k + 12), 1);
     return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
@@ -67,16 +67,16 @@ SCREE_INLINE inline void gather(const float* base, size_t stride, const uint32_t
   z.v = _mm512_shuffle_ps(ab_high, cd_high, 0x44);
   w.v = _mm512_shuffle_ps(ab_high, cd_high, 0xee);
 }
-SCREE_INLINE inline void scatter(float* base, size_t stride, const uint32_t* slot, Float16 x, Float16 y, Float16 z,
-                    Float16 w) {
+template <class RowOf>
+SCREE_INLINE inline void scatter(const RowOf& rowOf, Float16 x, Float16 y, Float16 z, Float16 w) {
   const __m512 xy_low = _mm512_unpacklo_ps(x.v, y.v), xy_high = _mm512_unpackhi_ps(x.v, y.v);
   const __m512 zw_low = _mm512_unpacklo_ps(z.v, w.v), zw_high = _mm512_unpackhi_ps(z.v, w.v);
   const auto put = [&](int k, __m512 rows) SCREE_INLINE {
     const __m256 low = _mm512_castps512_ps256(rows), high = _mm512_extractf32x8_ps(rows, 1);
-    _mm_store_ps(base + stride * slot[k], _mm256_castps256_ps128(low));
-    _mm_store_ps(base + stride * slot[k + 4], _mm256_extractf128_ps(low, 1));
-    _mm_store_ps(base + stride * slot[k + 8], _mm256_castps256_ps128(high));
-    _mm_store_ps(base + stride * slot[k + 12], _mm256_extractf128_ps(high, 1));
+    _mm_storeu_ps(rowOf(k), _mm256_castps256_ps128(low));
+    _mm_storeu_ps(rowOf(k + 4), _mm256_extractf128_ps(low, 1));
+    _mm_storeu_ps(rowOf(k + 8), _mm256_castps256_ps128(high));
+    _mm_storeu_ps(rowOf(k + 12), _mm256_extractf128_ps(high, 1));
   };
   put(0, _mm512_shuffle_ps(xy_low, zw_low, 0x44));
   put(1, _mm512_shuffle_ps(xy_low, zw_low, 0xee));

@@ -69,13 +69,11 @@ inline Float8 maskOf<Float8>(unsigned lanes) {
 }
 #endif
 
-// The first four floats of eight rows that lie `offset` floats into the items at base[slot[k]],
-// each item `stride` floats long: columns x, y, z, w.
-SCREE_INLINE inline void gather(const float* base, size_t stride, const uint32_t* slot, Float8& x, Float8& y,
-                   Float8& z, Float8& w) {
+// Four floats each from where rowOf(lane) says: columns x, y, z, w.
+template <class RowOf>
+SCREE_INLINE inline void gather(const RowOf& rowOf, Float8& x, Float8& y, Float8& z, Float8& w) {
   const auto rows = [&](int k) SCREE_INLINE {
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + stride * slot[k])),
-                                _mm_load_ps(base + stride * slot[k + 4]), 1);
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(rowOf(k))), _mm_loadu_ps(rowOf(k + 4)), 1);
   };
   const __m256 a = rows(0), b = rows(1), c = rows(2), d = rows(3);
   const __m256 ab_low = _mm256_unpacklo_ps(a, b), cd_low = _mm256_unpacklo_ps(c, d);
@@ -85,13 +83,13 @@ SCREE_INLINE inline void gather(const float* base, size_t stride, const uint32_t
   z.v = _mm256_shuffle_ps(ab_high, cd_high, 0x44);
   w.v = _mm256_shuffle_ps(ab_high, cd_high, 0xee);
 }
-SCREE_INLINE inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, Float8 y, Float8 z,
-                    Float8 w) {
+template <class RowOf>
+SCREE_INLINE inline void scatter(const RowOf& rowOf, Float8 x, Float8 y, Float8 z, Float8 w) {
   const __m256 xy_low = _mm256_unpacklo_ps(x.v, y.v), xy_high = _mm256_unpackhi_ps(x.v, y.v);
   const __m256 zw_low = _mm256_unpacklo_ps(z.v, w.v), zw_high = _mm256_unpackhi_ps(z.v, w.v);
   const auto put = [&](int k, __m256 rows) SCREE_INLINE {
-    _mm_store_ps(base + stride * slot[k], _mm256_castps256_ps128(rows));
-    _mm_store_ps(base + stride * slot[k + 4], _mm256_extractf128_ps(rows, 1));
+    _mm_storeu_ps(rowOf(k), _mm256_castps256_ps128(rows));
+    _mm_storeu_ps(rowOf(k + 4), _mm256_extractf128_ps(rows, 1));
   };
   put(0, _mm256_shuffle_ps(xy_low, zw_low, 0x44));
   put(1, _mm256_shuffle_ps(xy_low, zw_low, 0xee));
@@ -169,17 +167,17 @@ inline unsigned bits(Float8 mask) {
   return static_cast<unsigned>(simd::bits(mask.a) | simd::bits(mask.b) << 4);
 }
 
-SCREE_INLINE inline void gather(const float* base, size_t stride, const uint32_t* slot, Float8& x, Float8& y,
-                   Float8& z, Float8& w) {
-  const auto row = [&](int k) SCREE_INLINE { return simd::load(base + stride * slot[k]); };
+template <class RowOf>
+SCREE_INLINE inline void gather(const RowOf& rowOf, Float8& x, Float8& y, Float8& z, Float8& w) {
+  const auto row = [&](int k) SCREE_INLINE { return simd::load(rowOf(k)); };
   x.a = row(0), y.a = row(1), z.a = row(2), w.a = row(3);
   simd::transpose(x.a, y.a, z.a, w.a);
   x.b = row(4), y.b = row(5), z.b = row(6), w.b = row(7);
   simd::transpose(x.b, y.b, z.b, w.b);
 }
-SCREE_INLINE inline void scatter(float* base, size_t stride, const uint32_t* slot, Float8 x, Float8 y, Float8 z,
-                    Float8 w) {
-  const auto put = [&](int k, Float4 row) SCREE_INLINE { simd::store(base + stride * slot[k], row); };
+template <class RowOf>
+SCREE_INLINE inline void scatter(const RowOf& rowOf, Float8 x, Float8 y, Float8 z, Float8 w) {
+  const auto put = [&](int k, Float4 row) SCREE_INLINE { simd::store(rowOf(k), row); };
   simd::transpose(x.a, y.a, z.a, w.a);
   put(0, x.a), put(1, y.a), put(2, z.a), put(3, w.a);
   simd::transpose(x.b, y.b, z.b, w.b);

@@ -19,13 +19,13 @@ struct Part {
 template <class Floats>
 SCREE_INLINE inline Part<Floats> read(const Body* body, const uint32_t* slot, size_t offset) {
   Part<Floats> part;
-  gather(reinterpret_cast<const float*>(body) + offset, sizeof(Body) / sizeof(float), slot,
-         part.v.x, part.v.y, part.v.z, part.w);
+  gather([&](int k) SCREE_INLINE { return reinterpret_cast<const float*>(body + slot[k]) + offset; }, part.v.x,
+         part.v.y, part.v.z, part.w);
   return part;
 }
 template <class Floats>
 SCREE_INLINE inline void write(Body* body, const uint32_t* slot, size_t offset, const Part<Floats>& part) {
-  scatter(reinterpret_cast<float*>(body) + offset, sizeof(Body) / sizeof(float), slot, part.v.x,
+  scatter([&](int k) SCREE_INLINE { return reinterpret_cast<float*>(body + slot[k]) + offset; }, part.v.x,
           part.v.y, part.v.z, part.w);
 }
 

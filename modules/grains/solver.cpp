@@ -235,7 +235,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
     settings.first_pass = pass == 0;
     alternate(pass + 1, [&](PairSlab& pairs, ColliderSlab& walls) {
       kernels_->relax(pairs, body, bodies_.entity.data(), settings);
-      relaxColliders(walls, body, posed_, settings);
+      kernels_->relaxWalls(walls, body, posed_, settings);
     });
     if (bodies) rigids_.relax(slabsInUse(), body, colliders, posed_, settings);
     if (clumps) clumps_.project(bodies_);
@@ -246,7 +246,7 @@ void GrainSolver::relax(std::span<Collider> colliders, const StepParameters& par
   settings.tolerated = settings.bounce_speed;
   parallelChunks(slabs, 4, [&](size_t, size_t begin, size_t end) {
     for (size_t s = begin; s < end; ++s) {
-      relaxColliders(walls_.slab[s], body, posed_, settings);
+      kernels_->relaxWalls(walls_.slab[s], body, posed_, settings);
       if (walls_.slab[s].driven) settleDriven(walls_.slab[s], body, posed_, settings);
     }
   }, worth);
