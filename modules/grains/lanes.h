@@ -83,4 +83,56 @@ inline void store3(float (*p)[8], size_t next, Vec3s<Floats> a) {
   store(p[2], next, a.z);
 }
 
+
+// Three columns of rows of four floats, and the fourth.
+template <class Floats>
+struct Part {
+  Vec3s<Floats> v;
+  Floats w;
+};
+// The part of each lane's row that lies `offset` floats behind rowOf(lane).
+template <class Floats, class RowOf>
+SCREE_INLINE inline Part<Floats> readPart(const RowOf& rowOf, size_t offset) {
+  Floats a, b, c, d;
+  readRows(rowOf, 0, offset, a);
+  readRows(rowOf, 1, offset, b);
+  readRows(rowOf, 2, offset, c);
+  readRows(rowOf, 3, offset, d);
+  transpose(a, b, c, d);
+  return {{a, b, c}, d};
+}
+template <class Floats, class RowOf>
+SCREE_INLINE inline void writePart(const RowOf& rowOf, size_t offset, const Part<Floats>& part) {
+  Floats a = part.v.x, b = part.v.y, c = part.v.z, d = part.w;
+  transpose(a, b, c, d);
+  writeRows(rowOf, 0, offset, a);
+  writeRows(rowOf, 1, offset, b);
+  writeRows(rowOf, 2, offset, c);
+  writeRows(rowOf, 3, offset, d);
+}
+// Two parts: where a row lies is made out once for both.
+template <class Floats, class RowOf>
+SCREE_INLINE inline void readParts(const RowOf& rowOf, size_t first, Part<Floats>& p, size_t second, Part<Floats>& q) {
+  Floats a[4], b[4];
+  for (int k = 0; k < 4; ++k) {
+    readRows(rowOf, k, first, a[k]);
+    readRows(rowOf, k, second, b[k]);
+  }
+  transpose(a[0], a[1], a[2], a[3]);
+  transpose(b[0], b[1], b[2], b[3]);
+  p = {{a[0], a[1], a[2]}, a[3]};
+  q = {{b[0], b[1], b[2]}, b[3]};
+}
+template <class Floats, class RowOf>
+SCREE_INLINE inline void writeParts(const RowOf& rowOf, size_t first, const Part<Floats>& p, size_t second,
+                                    const Part<Floats>& q) {
+  Floats a[4] = {p.v.x, p.v.y, p.v.z, p.w}, b[4] = {q.v.x, q.v.y, q.v.z, q.w};
+  transpose(a[0], a[1], a[2], a[3]);
+  transpose(b[0], b[1], b[2], b[3]);
+  for (int k = 0; k < 4; ++k) {
+    writeRows(rowOf, k, first, a[k]);
+    writeRows(rowOf, k, second, b[k]);
+  }
+}
+
 }  // namespace scree::simd::SCREE_LANES

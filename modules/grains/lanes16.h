@@ -52,36 +52,27 @@ inline Mask16 wholeBatches(Mask16 mask) {
 inline Float16 inBatches(Mask16 active, Float16 now, Float16 before) { return select(active, now, before); }
 
 template <class RowOf>
-SCREE_INLINE inline void gather(const RowOf& rowOf, Float16& x, Float16& y, Float16& z, Float16& w) {
-  const auto rows = [&](int k) SCREE_INLINE {
-    const auto row = [&](int at) SCREE_INLINE { return _mm_loadu_ps(rowOf(at)); };
-    const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(row(k)), row(k + 4), 1);
-    const __m256 high = _mm256_insertf128_ps(_mm256_castps128_ps256(row(k + 8)), row(k + 12), 1);
-    return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
-  };
-  const __m512 a = rows(0), b = rows(1), c = rows(2), d = rows(3);
-  const __m512 ab_low = _mm512_unpacklo_ps(a, b), cd_low = _mm512_unpacklo_ps(c, d);
-  const __m512 ab_high = _mm512_unpackhi_ps(a, b), cd_high = _mm512_unpackhi_ps(c, d);
-  x.v = _mm512_shuffle_ps(ab_low, cd_low, 0x44);
-  y.v = _mm512_shuffle_ps(ab_low, cd_low, 0xee);
-  z.v = _mm512_shuffle_ps(ab_high, cd_high, 0x44);
-  w.v = _mm512_shuffle_ps(ab_high, cd_high, 0xee);
+SCREE_INLINE inline void readRows(const RowOf& rowOf, int k, size_t offset, Float16& rows) {
+  const auto row = [&](int at) SCREE_INLINE { return _mm_loadu_ps(rowOf(at) + offset); };
+  const __m256 low = _mm256_insertf128_ps(_mm256_castps128_ps256(row(k)), row(k + 4), 1);
+  const __m256 high = _mm256_insertf128_ps(_mm256_castps128_ps256(row(k + 8)), row(k + 12), 1);
+  rows.v = _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
 }
 template <class RowOf>
-SCREE_INLINE inline void scatter(const RowOf& rowOf, Float16 x, Float16 y, Float16 z, Float16 w) {
-  const __m512 xy_low = _mm512_unpacklo_ps(x.v, y.v), xy_high = _mm512_unpackhi_ps(x.v, y.v);
-  const __m512 zw_low = _mm512_unpacklo_ps(z.v, w.v), zw_high = _mm512_unpackhi_ps(z.v, w.v);
-  const auto put = [&](int k, __m512 rows) SCREE_INLINE {
-    const __m256 low = _mm512_castps512_ps256(rows), high = _mm512_extractf32x8_ps(rows, 1);
-    _mm_storeu_ps(rowOf(k), _mm256_castps256_ps128(low));
-    _mm_storeu_ps(rowOf(k + 4), _mm256_extractf128_ps(low, 1));
-    _mm_storeu_ps(rowOf(k + 8), _mm256_castps256_ps128(high));
-    _mm_storeu_ps(rowOf(k + 12), _mm256_extractf128_ps(high, 1));
-  };
-  put(0, _mm512_shuffle_ps(xy_low, zw_low, 0x44));
-  put(1, _mm512_shuffle_ps(xy_low, zw_low, 0xee));
-  put(2, _mm512_shuffle_ps(xy_high, zw_high, 0x44));
-  put(3, _mm512_shuffle_ps(xy_high, zw_high, 0xee));
+SCREE_INLINE inline void writeRows(const RowOf& rowOf, int k, size_t offset, Float16 rows) {
+  const __m256 low = _mm512_castps512_ps256(rows.v), high = _mm512_extractf32x8_ps(rows.v, 1);
+  _mm_storeu_ps(rowOf(k) + offset, _mm256_castps256_ps128(low));
+  _mm_storeu_ps(rowOf(k + 4) + offset, _mm256_extractf128_ps(low, 1));
+  _mm_storeu_ps(rowOf(k + 8) + offset, _mm256_castps256_ps128(high));
+  _mm_storeu_ps(rowOf(k + 12) + offset, _mm256_extractf128_ps(high, 1));
+}
+SCREE_INLINE inline void transpose(Float16& a, Float16& b, Float16& c, Float16& d) {
+  const __m512 ab_low = _mm512_unpacklo_ps(a.v, b.v), cd_low = _mm512_unpacklo_ps(c.v, d.v);
+  const __m512 ab_high = _mm512_unpackhi_ps(a.v, b.v), cd_high = _mm512_unpackhi_ps(c.v, d.v);
+  a.v = _mm512_shuffle_ps(ab_low, cd_low, 0x44);
+  b.v = _mm512_shuffle_ps(ab_low, cd_low, 0xee);
+  c.v = _mm512_shuffle_ps(ab_high, cd_high, 0x44);
+  d.v = _mm512_shuffle_ps(ab_high, cd_high, 0xee);
 }
 
 }  // namespace scree::simd::SCREE_LANES

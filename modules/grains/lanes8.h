@@ -69,32 +69,25 @@ inline Float8 maskOf<Float8>(unsigned lanes) {
 }
 #endif
 
-// Four floats each from where rowOf(lane) says: columns x, y, z, w.
+// Row k of four floats, which lies `offset` behind rowOf(k), and every fourth behind it.
 template <class RowOf>
-SCREE_INLINE inline void gather(const RowOf& rowOf, Float8& x, Float8& y, Float8& z, Float8& w) {
-  const auto rows = [&](int k) SCREE_INLINE {
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(rowOf(k))), _mm_loadu_ps(rowOf(k + 4)), 1);
-  };
-  const __m256 a = rows(0), b = rows(1), c = rows(2), d = rows(3);
-  const __m256 ab_low = _mm256_unpacklo_ps(a, b), cd_low = _mm256_unpacklo_ps(c, d);
-  const __m256 ab_high = _mm256_unpackhi_ps(a, b), cd_high = _mm256_unpackhi_ps(c, d);
-  x.v = _mm256_shuffle_ps(ab_low, cd_low, 0x44);
-  y.v = _mm256_shuffle_ps(ab_low, cd_low, 0xee);
-  z.v = _mm256_shuffle_ps(ab_high, cd_high, 0x44);
-  w.v = _mm256_shuffle_ps(ab_high, cd_high, 0xee);
+SCREE_INLINE inline void readRows(const RowOf& rowOf, int k, size_t offset, Float8& rows) {
+  rows.v = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(rowOf(k) + offset)),
+                                _mm_loadu_ps(rowOf(k + 4) + offset), 1);
 }
 template <class RowOf>
-SCREE_INLINE inline void scatter(const RowOf& rowOf, Float8 x, Float8 y, Float8 z, Float8 w) {
-  const __m256 xy_low = _mm256_unpacklo_ps(x.v, y.v), xy_high = _mm256_unpackhi_ps(x.v, y.v);
-  const __m256 zw_low = _mm256_unpacklo_ps(z.v, w.v), zw_high = _mm256_unpackhi_ps(z.v, w.v);
-  const auto put = [&](int k, __m256 rows) SCREE_INLINE {
-    _mm_storeu_ps(rowOf(k), _mm256_castps256_ps128(rows));
-    _mm_storeu_ps(rowOf(k + 4), _mm256_extractf128_ps(rows, 1));
-  };
-  put(0, _mm256_shuffle_ps(xy_low, zw_low, 0x44));
-  put(1, _mm256_shuffle_ps(xy_low, zw_low, 0xee));
-  put(2, _mm256_shuffle_ps(xy_high, zw_high, 0x44));
-  put(3, _mm256_shuffle_ps(xy_high, zw_high, 0xee));
+SCREE_INLINE inline void writeRows(const RowOf& rowOf, int k, size_t offset, Float8 rows) {
+  _mm_storeu_ps(rowOf(k) + offset, _mm256_castps256_ps128(rows.v));
+  _mm_storeu_ps(rowOf(k + 4) + offset, _mm256_extractf128_ps(rows.v, 1));
+}
+// Such rows, from 0, 1, 2 and 3 on, to columns x, y, z, w of all lanes, and back.
+SCREE_INLINE inline void transpose(Float8& a, Float8& b, Float8& c, Float8& d) {
+  const __m256 ab_low = _mm256_unpacklo_ps(a.v, b.v), cd_low = _mm256_unpacklo_ps(c.v, d.v);
+  const __m256 ab_high = _mm256_unpackhi_ps(a.v, b.v), cd_high = _mm256_unpackhi_ps(c.v, d.v);
+  a.v = _mm256_shuffle_ps(ab_low, cd_low, 0x44);
+  b.v = _mm256_shuffle_ps(ab_low, cd_low, 0xee);
+  c.v = _mm256_shuffle_ps(ab_high, cd_high, 0x44);
+  d.v = _mm256_shuffle_ps(ab_high, cd_high, 0xee);
 }
 
 #if !defined(SCREE_LANES_AVX512)
@@ -168,20 +161,17 @@ inline unsigned bits(Float8 mask) {
 }
 
 template <class RowOf>
-SCREE_INLINE inline void gather(const RowOf& rowOf, Float8& x, Float8& y, Float8& z, Float8& w) {
-  const auto row = [&](int k) SCREE_INLINE { return simd::load(rowOf(k)); };
-  x.a = row(0), y.a = row(1), z.a = row(2), w.a = row(3);
-  simd::transpose(x.a, y.a, z.a, w.a);
-  x.b = row(4), y.b = row(5), z.b = row(6), w.b = row(7);
-  simd::transpose(x.b, y.b, z.b, w.b);
+SCREE_INLINE inline void readRows(const RowOf& rowOf, int k, size_t offset, Float8& rows) {
+  rows = {simd::load(rowOf(k) + offset), simd::load(rowOf(k + 4) + offset)};
 }
 template <class RowOf>
-SCREE_INLINE inline void scatter(const RowOf& rowOf, Float8 x, Float8 y, Float8 z, Float8 w) {
-  const auto put = [&](int k, Float4 row) SCREE_INLINE { simd::store(rowOf(k), row); };
-  simd::transpose(x.a, y.a, z.a, w.a);
-  put(0, x.a), put(1, y.a), put(2, z.a), put(3, w.a);
-  simd::transpose(x.b, y.b, z.b, w.b);
-  put(4, x.b), put(5, y.b), put(6, z.b), put(7, w.b);
+SCREE_INLINE inline void writeRows(const RowOf& rowOf, int k, size_t offset, Float8 rows) {
+  simd::store(rowOf(k) + offset, rows.a);
+  simd::store(rowOf(k + 4) + offset, rows.b);
+}
+SCREE_INLINE inline void transpose(Float8& a, Float8& b, Float8& c, Float8& d) {
+  simd::transpose(a.a, b.a, c.a, d.a);
+  simd::transpose(a.b, b.b, c.b, d.b);
 }
 
 inline uint32_t pack(uint32_t first, Float8 mask, unsigned within, uint32_t* out) {

@@ -9,24 +9,20 @@ namespace scree::grains::SCREE_LANES {
 
 using namespace simd::SCREE_LANES;
 
-// Three components of one part of the bodies, and that part's fourth float.
-template <class Floats>
-struct Part {
-  Vec3s<Floats> v;
-  Floats w;
-};
-
+// Parts of the bodies of slots.
+SCREE_INLINE inline auto rowsOf(const Body* body, const uint32_t* slot) {
+  return [=](int k) SCREE_INLINE { return reinterpret_cast<const float*>(body + slot[k]); };
+}
+SCREE_INLINE inline auto rowsOf(Body* body, const uint32_t* slot) {
+  return [=](int k) SCREE_INLINE { return reinterpret_cast<float*>(body + slot[k]); };
+}
 template <class Floats>
 SCREE_INLINE inline Part<Floats> read(const Body* body, const uint32_t* slot, size_t offset) {
-  Part<Floats> part;
-  gather([&](int k) SCREE_INLINE { return reinterpret_cast<const float*>(body + slot[k]) + offset; }, part.v.x,
-         part.v.y, part.v.z, part.w);
-  return part;
+  return readPart<Floats>(rowsOf(body, slot), offset);
 }
 template <class Floats>
 SCREE_INLINE inline void write(Body* body, const uint32_t* slot, size_t offset, const Part<Floats>& part) {
-  scatter([&](int k) SCREE_INLINE { return reinterpret_cast<float*>(body + slot[k]) + offset; }, part.v.x,
-          part.v.y, part.v.z, part.w);
+  writePart(rowsOf(body, slot), offset, part);
 }
 
 // Of what a contact carries: floats from a batch to the next.
@@ -106,11 +102,12 @@ SCREE_INLINE inline Floats relaxStep(PairSlab& slab, uint32_t b, Body* body, con
 
   const uint32_t *i = &slab.i[size_t{kBatch} * b], *j = &slab.j[size_t{kBatch} * b];
   float(*const carried)[kBatch] = slab.impulse[b].impulse;
-  Part<Floats> xi = read<Floats>(body, i, kPosition), xj = read<Floats>(body, j, kPosition);
+  Part<Floats> xi, xj, vi, vj;
+  readParts(rowsOf(body, i), kPosition, xi, kVelocity, vi);
+  readParts(rowsOf(body, j), kPosition, xj, kVelocity, vj);
   const Vec d = xi.v - xj.v;
   const Floats square = dot(d, d), sum = xi.w + xj.w;
   const Vec old = load3<Floats>(carried, kNextImpulse);
-  Part<Floats> vi = read<Floats>(body, i, kVelocity), vj = read<Floats>(body, j, kVelocity);
   const Floats distance = sqrt(square);
   const Floats gap = distance - sum;
   Vec normal = (one / max(distance, tiny)) * d;
@@ -201,8 +198,6 @@ SCREE_INLINE inline Floats relaxStep(PairSlab& slab, uint32_t b, Body* body, con
       bits(notEqual(next.x, zero) | notEqual(next.y, zero) | notEqual(next.z, zero))));
   vi.v = inBatches(acts, vi.v + vi.w * change, vi.v);
   vj.v = inBatches(acts, vj.v - vj.w * change, vj.v);
-  write(body, i, kVelocity, vi);
-  write(body, j, kVelocity, vj);
 
   const Vec twist = cross(lever, change);
   const Floats inverse_radii = splat<Floats>(2.5f) / (xi.w * xj.w);
@@ -227,8 +222,8 @@ SCREE_INLINE inline Floats relaxStep(PairSlab& slab, uint32_t b, Body* body, con
   }
   wi.v = inBatches(acts, spin_i, wi.v);
   wj.v = inBatches(acts, spin_j, wj.v);
-  write(body, i, kSpin, wi);
-  write(body, j, kSpin, wj);
+  writeParts(rowsOf(body, i), kVelocity, vi, kSpin, wi);
+  writeParts(rowsOf(body, j), kVelocity, vj, kSpin, wj);
 
   const Floats overlap = zero - gap - slop * sum;
   Floats undone = max(overlap, zero);
@@ -327,8 +322,9 @@ inline void applyKept(PairSlab& slab, Body* body, const PassSettings& settings) 
     }
     if (trusted == 0) continue;
     const uint32_t *i = &slab.i[size_t{kBatch} * b], *j = &slab.j[size_t{kBatch} * b];
-    const auto xi = read<Float8>(body, i, kPosition), xj = read<Float8>(body, j, kPosition);
-    auto vi = read<Float8>(body, i, kVelocity), vj = read<Float8>(body, j, kVelocity);
+    Part<Float8> xi, xj, vi, vj;
+    readParts(rowsOf(body, i), kPosition, xi, kVelocity, vi);
+    readParts(rowsOf(body, j), kPosition, xj, kVelocity, vj);
     auto wi = read<Float8>(body, i, kSpin), wj = read<Float8>(body, j, kSpin);
     const Vec lever = (splat<Float8>(1) / (xi.w + xj.w)) * (xi.v - xj.v);
     const Vec moment = cross(lever, impulse);
@@ -342,10 +338,8 @@ inline void applyKept(PairSlab& slab, Body* body, const PassSettings& settings) 
       wi.v = wi.v + (splat<Float8>(2.5f) * vi.w / (xi.w * xi.w)) * rolling;
       wj.v = wj.v - (splat<Float8>(2.5f) * vj.w / (xj.w * xj.w)) * rolling;
     }
-    write(body, i, kVelocity, vi);
-    write(body, j, kVelocity, vj);
-    write(body, i, kSpin, wi);
-    write(body, j, kSpin, wj);
+    writeParts(rowsOf(body, i), kVelocity, vi, kSpin, wi);
+    writeParts(rowsOf(body, j), kVelocity, vj, kSpin, wj);
   }
 }
 

@@ -13,18 +13,18 @@ struct WallLanes {
   uint32_t count = 0;
 };
 
-// Of bodies or contacts.
+// Parts of bodies or contacts.
+template <class T>
+SCREE_INLINE inline auto rowsOf(T* const* one) {
+  return [=](int k) SCREE_INLINE { return reinterpret_cast<float*>(one[k]); };
+}
 template <class T>
 SCREE_INLINE inline Part<Widest> read(T* const* one, size_t offset) {
-  Part<Widest> part;
-  gather([&](int k) SCREE_INLINE { return reinterpret_cast<const float*>(one[k]) + offset; }, part.v.x, part.v.y,
-         part.v.z, part.w);
-  return part;
+  return readPart<Widest>(rowsOf(one), offset);
 }
 template <class T>
 SCREE_INLINE inline void write(T* const* one, size_t offset, const Part<Widest>& part) {
-  scatter([&](int k) SCREE_INLINE { return reinterpret_cast<float*>(one[k]) + offset; }, part.v.x, part.v.y,
-          part.v.z, part.w);
+  writePart(rowsOf(one), offset, part);
 }
 
 // Returns the lanes that are left to relaxContact(): what might bounce, or pass by an edge.
