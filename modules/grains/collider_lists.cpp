@@ -123,8 +123,8 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
   const Worth worth = worthOf(bodies.count, kFewGrains);
   scratch_.resize(static_cast<size_t>(threadCount()));
   for (Scratch& scratch : scratch_) {
-    scratch.contact.clear();
-    fitTo(scratch.contact, most_listed_);
+    scratch.listed.clear();
+    fitTo(scratch.listed, most_listed_);
   }
 
   // Each slab is listed by a thread, and then moved behind those that were listed earlier. Where there is
@@ -134,19 +134,22 @@ void ColliderLists::build(const Grid& grid, const Bodies& bodies,
   const size_t room = contact_.capacity();
   contact_.extend(room);
   const auto copy = [&](const ColliderSlab& own, const Scratch& scratch) {
-    std::copy(scratch.contact.begin(), scratch.contact.end(), contact_.data() + own.contact_begin);
+    for (size_t k = 0; k < scratch.listed.size(); ++k) {
+      ColliderContact& contact = contact_[own.contact_begin + k];
+      contact = contactOf(scratch.listed[k], own, bodies, going);
+      takeOver(contact, over);
+    }
   };
   const auto listSlab = [&](size_t s) -> const Scratch& {
     Scratch& scratch = scratch_[threadIndex()];
     list(static_cast<uint32_t>(s), grid, bodies, going, scratch);
-    for (ColliderContact& contact : scratch.contact) takeOver(contact, over);
     return scratch;
   };
   parallelChunks(slab_count, 1, [&](size_t s, size_t, size_t) {
     const Scratch& scratch = listSlab(s);
     ColliderSlab& own = slab[s];
     own.bounces.clear();
-    own.contact_size = scratch.contact.size();
+    own.contact_size = scratch.listed.size();
     own.contact_begin = listed.fetch_add(own.contact_size, std::memory_order_relaxed);
     if (own.contact_begin + own.contact_size <= room) copy(own, scratch);
   }, worth);
@@ -199,7 +202,7 @@ void ColliderLists::list(uint32_t s, const Grid& grid, const Bodies& bodies,
                          const Going& going, Scratch& scratch) const {
   const ColliderSlab& own = slab[s];
   std::vector<uint32_t>& near = scratch.near;
-  scratch.contact.clear();
+  scratch.listed.clear();
   Bounds bounds{vec3(3e38f), vec3(-3e38f)};
   for (uint32_t i = own.begin; i < own.end; ++i) {
     if (!isAwake(bodies, i)) continue;
@@ -233,36 +236,37 @@ void ColliderLists::list(uint32_t s, const Grid& grid, const Bodies& bodies,
                (stays->grain < i || (stays->grain == i && stays->collider < k)))
           ++stays;
         for (; stays != own.was.end() && stays->grain == i && stays->collider == k; ++stays)
-          append(scratch.contact, *stays);
+          append(scratch.listed, {i, k, kStays | static_cast<uint32_t>(stays - own.was.begin())});
         continue;
       }
       if (apart(own_bounds, swept.bounds) ||
           !(distanceTo(swept.begin, at, 2 * (reach + swept.motion)) < reach + swept.motion))
         continue;
-      const Collider& collider = swept.collider;
-      const float radius = bodies.body[i].radius;
-      ColliderContact contact;
-      contact.grain = i;
-      contact.collider = k;
-      contact.key = collider.key;
-      contact.friction = std::sqrt(bodies.materialOf(i).friction * collider.friction);
-      contact.rolling_friction =
-          std::max(bodies.materialOf(i).rolling_friction, collider.rolling_friction);
-      contact.restitution = std::max(bodies.materialOf(i).restitution, collider.restitution);
-      contact.pull = pullOf(bodies.materialOf(i).cohesion, collider.cohesion, radius);
-      contact.guarded = collider.shape == Shape::Field || swept.thickness < 0.5f * radius ||
-                        swept.motion * going.share > 0.5f * radius;
-      if (collider.shape != Shape::Field) {
-        append(scratch.contact, contact);
-        continue;
-      }
-      const uint32_t parts = std::min(collider.field->mostTouches(), DistanceField::kMostTouches);
-      for (uint32_t part = 0; part < parts; ++part) {
-        contact.key = partKey(collider.key, part);
-        append(scratch.contact, contact);
-      }
+      const bool field = swept.collider.shape == Shape::Field;
+      const uint32_t parts = field ? std::min(swept.collider.field->mostTouches(), DistanceField::kMostTouches) : 1;
+      for (uint32_t part = 0; part < parts; ++part) append(scratch.listed, {i, k, part});
     }
   }
+}
+
+ColliderContact ColliderLists::contactOf(const Listed& listed, const ColliderSlab& own, const Bodies& bodies,
+                                         const Going& going) const {
+  if ((listed.part & kStays) != 0) return own.was[listed.part & ~kStays];
+  const Swept& swept = swept_[listed.collider];
+  const Collider& collider = swept.collider;
+  const GrainMaterial& material = bodies.materialOf(listed.grain);
+  const float radius = bodies.body[listed.grain].radius;
+  ColliderContact contact;
+  contact.grain = listed.grain;
+  contact.collider = listed.collider;
+  contact.key = collider.shape == Shape::Field ? partKey(collider.key, listed.part) : collider.key;
+  contact.friction = std::sqrt(material.friction * collider.friction);
+  contact.rolling_friction = std::max(material.rolling_friction, collider.rolling_friction);
+  contact.restitution = std::max(material.restitution, collider.restitution);
+  contact.pull = pullOf(material.cohesion, collider.cohesion, radius);
+  contact.guarded = collider.shape == Shape::Field || swept.thickness < 0.5f * radius ||
+                    swept.motion * going.share > 0.5f * radius;
+  return contact;
 }
 
 bool ColliderLists::misses(uint32_t slot, uint32_t in_slab, vec3 position, float reach) const {
@@ -302,7 +306,7 @@ size_t ColliderLists::memoryBytes() const {
   size_t bytes = swept_.capacity() * sizeof(Swept) + contact_.memoryBytes() +
                  slab.capacity() * sizeof(ColliderSlab);
   for (const Scratch& scratch : scratch_)
-    bytes += scratch.contact.capacity() * sizeof(ColliderContact) + scratch.near.capacity() * sizeof(uint32_t);
+    bytes += scratch.listed.capacity() * sizeof(Listed) + scratch.near.capacity() * sizeof(uint32_t);
   for (const ColliderSlab& s : slab)
     bytes += s.bounces.capacity() * sizeof(Bounce) + s.guards.capacity() * sizeof(Guard);
   return bytes;

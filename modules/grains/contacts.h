@@ -283,10 +283,15 @@ class ColliderArrays {
   };
 
  protected:
+  // A contact to come: with a part of a collider; or, with this bit, the one of before that stays.
+  struct Listed {
+    uint32_t grain, collider, part;
+  };
+  static constexpr uint32_t kStays = 0x80000000u;
   // Of a thread.
   struct Scratch {
-    std::vector<ColliderContact> contact;  // of a slab
-    std::vector<uint32_t> near;            // colliders that may touch it
+    std::vector<Listed> listed;  // of a slab
+    std::vector<uint32_t> near;  // colliders that may touch it
   };
 
   std::vector<Swept> swept_;
@@ -339,6 +344,8 @@ class ColliderLists : public ColliderArrays {
     uint32_t slabs;  // before
   };
   void list(uint32_t s, const Grid& grid, const Bodies& bodies, const Going& going, Scratch& scratch) const;
+  ColliderContact contactOf(const Listed& listed, const ColliderSlab& own, const Bodies& bodies,
+                            const Going& going) const;
   void takeOver(ColliderContact& contact, const TakeOver& over) const;
   // Lets the slabs have their parts of the array.
   void shareOut();

@@ -188,7 +188,7 @@ void GrainSolver::predict(vec3 gravity_step, float h, std::span<const Force> for
   for (size_t chunk = 0; chunk < chunks; ++chunk) {
     if (chunk_flags_[chunk] == 0) continue;
     const size_t end = std::min<size_t>(bodies_.count, (chunk + 1) * kChunk);
-    for (size_t k = chunk * kChunk; k < end; ++k)
+    for (size_t k = chunk * kChunk; k < end && strays_.size() <= kMostStrays; ++k)
       if (leaves(k)) strays_.push_back(static_cast<uint32_t>(k));
   }
 }

@@ -234,7 +234,8 @@ class GrainSolver {
   std::vector<std::vector<Driven>> driven_;  // by chunk: grains beyond where they are listed
   std::vector<std::pair<uint32_t, vec3>> shifts_;  // of bounces, by slot
   std::vector<uint8_t> chunk_flags_;
-  std::vector<uint32_t> strays_;  // slots that may leave their margin within the substep
+  static constexpr size_t kMostStrays = 16;  // each is tested against all bodies
+  std::vector<uint32_t> strays_;  // slots that may leave their margin within the substep; of too many, some
   std::vector<uint32_t> met_;     // by a stray
   // Of sleep.
   std::vector<uint32_t> waking_;  // berths

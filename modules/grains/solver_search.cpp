@@ -66,7 +66,6 @@ float GrainSolver::marginOf(const Body& grain, float h) const {
 // has come to nobody, its margin is laid around where it is now, and the lists
 // stay as they are. False if a search is due.
 bool GrainSolver::followStrays(float h) {
-  constexpr size_t kMostStrays = 16;  // each is tested against all bodies
   if (strays_.size() > kMostStrays) return false;
   for (const uint32_t slot : strays_) {
     const Body& grain = bodies_.body[slot];
@@ -180,11 +179,13 @@ void GrainSolver::searchNeighbours(float h) {
   clumps_.follow(moved, slot_of);
   workspace_.giveBack({});
   before_ = workspace_.keep(before_);
+  const Workspace::Mark searched = workspace_.mark();
   grid_.keepSearch(workspace_);
   clumps_.mark(bodies_);
   joinWoken();
   grid_.read(bodies_);
   pairs_.build(grid_, bodies_, pairs_, before_, joining_pairs_, workspace_);
+  workspace_.giveBack(searched);
   search_due_ = false;
   walls_due_ = true;
   searched_ = true;
