@@ -17,7 +17,8 @@ void setSurface(ColliderContact& contact, const SurfacePoint& near, const Body& 
   contact.flat = near.flat;
   contact.mass = 1 / grain.inverse_mass;
   contact.spin_factor = spinFactor(grain);
-  contact.surface_velocity = velocityAt(collider, on_surface) + collider.surface_velocity;
+  contact.surface_velocity =
+      (collider.moves() ? velocityAt(collider, on_surface) : vec3(0)) + collider.surface_velocity;
   contact.surface_spin = collider.spin;
   contact.gives = collider.gives;
 }

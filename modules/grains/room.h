@@ -29,7 +29,7 @@ class Need {
   }
 
  private:
-  static constexpr uint32_t kTimes = 12;
+  static constexpr uint32_t kTimes = 4;
   size_t most_ = 0;
   uint32_t times_ = 0;
 };

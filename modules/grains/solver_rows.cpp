@@ -160,6 +160,7 @@ void GrainSolver::readRows(std::span<const GrainRows> tables) {
     const Grain& grain = table.grain[k];
     if (!Materials::same(bodies_.materialOf(slot), table.material[k])) {
       bodies_.material[slot] = bodies_.materials.numberOf(table.material[k]);
+      body.friction_root = std::sqrt(table.material[k].friction);
       search_due_ = true;
     }
     if (body.radius != grain.radius) search_due_ = true;
@@ -167,7 +168,6 @@ void GrainSolver::readRows(std::span<const GrainRows> tables) {
     body.radius = grain.radius;
     body.velocity = table.velocity[k].linear;
     body.spin = table.spin[k].angular;
-    body.friction_root = std::sqrt(table.material[k].friction);
     if (!table.rest.empty()) table.rest[k].asleep = false;
   });
 }
