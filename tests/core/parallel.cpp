@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -119,6 +120,25 @@ TEST_F(Parallel, ThreadCountIsKeptInBounds) {
   setThreadCount(0);
   EXPECT_GE(threadCount(), 1);
 }
+
+#ifdef __SANITIZE_THREAD__
+// Else a run of the tests under TSan that reports nothing would say nothing.
+TEST(ParallelDeathTest, TsanSeesARaceBetweenChunks) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto race = [] {
+    setThreadCount(2);
+    std::atomic<int> inside = 0;
+    int shared = 0;
+    parallelChunks(2, 1, [&](size_t, size_t, size_t) {
+      inside.fetch_add(1, std::memory_order_relaxed);
+      while (inside.load(std::memory_order_relaxed) < 2) std::this_thread::yield();
+      ++shared;
+    });
+    std::exit(shared == 0);  // 66 for 0 where TSan has reported something
+  };
+  EXPECT_EXIT(race(), ::testing::ExitedWithCode(66), "data race");
+}
+#endif
 
 }  // namespace
 }  // namespace scree
