@@ -5,7 +5,9 @@
 //   SCREE_COMPONENT(Grain, (radius_m, "m"), (mass_kg, "kg"))
 //
 // A function `std::string fault(const Grain&)`, declared before that line, says what is wrong with a
-// value that comes from a file, with field, value and what is allowed; empty: nothing.
+// value that comes from a file, with field, value and what is allowed; empty: nothing. A function
+// `std::string faultIn(World&, Entity, const Grain&)`, declared there too, says what is wrong with a value where
+// it stands, beside its entity's other components and among others; asked when all of the file is in the world.
 #pragma once
 
 #include <span>
@@ -43,6 +45,7 @@ struct ComponentInfo {
   std::vector<FieldInfo> fields;  // in the order of the SCREE_COMPONENT line
   const void* default_value = nullptr;  // T{}
   std::string (*fault)(const void* value) = nullptr;  // null: every value is allowed
+  std::string (*fault_in)(World& world, Entity entity, const void* value) = nullptr;  // null: everywhere
 
   // Where the values are, without padding and texts: in the order of offsets, adjacent fields
   // merged.
@@ -118,6 +121,10 @@ const ComponentInfo& registerType(std::string_view name, bool transient,
   info.default_value = &default_value;
   if constexpr (requires(const T& value) { fault(value); })
     info.fault = [](const void* value) { return fault(*static_cast<const T*>(value)); };
+  if constexpr (requires(World& world, Entity entity, const T& value) { faultIn(world, entity, value); })
+    info.fault_in = [](World& world, Entity entity, const void* value) {
+      return faultIn(world, entity, *static_cast<const T*>(value));
+    };
   return registerComponent(std::move(info));
 }
 

@@ -141,13 +141,29 @@ std::vector<Entity> spawn(World& world, const LoadedFile& file) {
     named[file.nodes[i].name] = entities.back();
   }
   const FindNode find = [&](std::string_view name) { return named.at(name); };
-  Entity& active = world.singleton<ActiveCamera>().entity;
-  for (size_t i = 0; i < entities.size(); ++i) {
-    attach(world, entities[i], file.extras[i], find);
-    if (const Sky* sky = world.peek<Sky>(entities[i])) world.singleton<Sky>() = *sky;
-    if (!world.alive(active) && world.has<Camera>(entities[i])) active = entities[i];
-  }
+  for (size_t i = 0; i < entities.size(); ++i) attach(world, entities[i], file.extras[i], find);
   return entities;
+}
+
+// What components say of where they stand.
+Status checkInWorld(World& world, const fs::path& path, const LoadedFile& file, std::span<const Entity> entities) {
+  for (size_t i = 0; i < entities.size(); ++i)
+    for (const ParsedExtras::Value& value : file.extras[i].values) {
+      const ComponentInfo& info = *value.component;
+      if (!value.present || info.fault_in == nullptr) continue;
+      const std::string wrong = info.fault_in(world, entities[i], world.peek(entities[i], info.id));
+      if (!wrong.empty())
+        return Error{fmt::format("{}: extras: {}: {}", nodeText(path, file.nodes[i]), info.name, wrong)};
+    }
+  return Done{};
+}
+
+void setSkyAndCamera(World& world, std::span<const Entity> entities) {
+  Entity& active = world.singleton<ActiveCamera>().entity;
+  for (const Entity entity : entities) {
+    if (const Sky* sky = world.peek<Sky>(entity)) world.singleton<Sky>() = *sky;
+    if (!world.alive(active) && world.has<Camera>(entity)) active = entity;
+  }
 }
 
 }  // namespace
@@ -167,6 +183,11 @@ Status loadScene(World& world, const fs::path& path, std::vector<Entity>* spawne
     known = files.insert_or_assign(path, std::move(*file)).first;
   }
   std::vector<Entity> entities = spawn(world, known->second);
+  if (Status checked = checkInWorld(world, path, known->second, entities); !checked.ok()) {
+    world.destroyMany(entities);
+    return checked;
+  }
+  setSkyAndCamera(world, entities);
   if (spawned != nullptr) *spawned = std::move(entities);
   return Done{};
 }

@@ -216,7 +216,7 @@ void addScene(App& app);
 
 // Spawns a glTF file's nodes: Name, Transform, PreviousTransform, and what they have of
 // MeshInstance, CastsShadow, Camera, Light, and the components of their extras; meshes, materials
-// and images are appended to the stores. On an error nothing has changed. `spawned` receives the
+// and images are appended to the stores. On an error no entity has been spawned. `spawned` receives the
 // entities in the order of SceneData::nodes. A file that was loaded before and has the same size
 // and time of change is not read again, and its meshes and materials keep their handles.
 Status loadScene(World& world, const std::filesystem::path& path,

@@ -20,7 +20,13 @@ struct SceneProbe {
   float value = 1;
   Entity target = Entity::kNone;
 };
+std::string faultIn(World& world, Entity entity, const SceneProbe& probe);
 SCREE_COMPONENT(SceneProbe, (value, ""), (target, ""));
+
+std::string faultIn(World& world, Entity entity, const SceneProbe& probe) {
+  if (world.peek<SceneProbe>(entity) != &probe) return "asked of another entity";
+  return probe.value != 7 || world.has<Camera>(probe.target) ? std::string() : "its target must look";
+}
 
 namespace {
 
@@ -460,6 +466,21 @@ TEST_F(SceneFile, ErrorsLeaveNothingBehind) {
   doc = good;
   doc["accessors"][0]["count"] = 4;
   refused(doc, "accessor 0: count = 4");
+}
+
+TEST_F(SceneFile, WhatComponentsSayOfWhereTheyStandIsAskedOfTheWholeFile) {
+  doc_["nodes"][0]["extras"]["SceneProbe"] = {{"value", 7}, {"target", "eye"}};
+  ASSERT_TRUE(load().ok());
+  world_.clear();
+  world_.singleton<Sky>() = {};
+  doc_["nodes"][0]["extras"]["SceneProbe"]["target"] = "sun";
+  const Status status = load();
+  ASSERT_FALSE(status.ok());
+  EXPECT_NE(status.error().find("level.gltf: node 0 \"a\": extras: SceneProbe: its target must look"),
+            std::string::npos) << status.error();
+  EXPECT_EQ(world_.entityCount(), 0u);
+  EXPECT_FALSE(world_.alive(world_.singleton<ActiveCamera>().entity));
+  EXPECT_EQ(world_.singleton<Sky>().zenith, Sky{}.zenith);
 }
 
 TEST_F(SceneFile, MissingFileIsOneLine) {
