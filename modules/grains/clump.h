@@ -49,6 +49,7 @@ struct ClumpShape {
   std::array<float, kMostMembers> radius{1, 1, 1, 1};  // 0.01 to 10
 };
 std::string fault(const ClumpShape& value);
+std::string faultIn(World& world, Entity entity, const ClumpShape& value);
 SCREE_COMPONENT(ClumpShape, (name, ""), (count, ""), (offset, "radii"), (radius, "radii"));
 
 }  // namespace scree

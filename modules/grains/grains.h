@@ -113,6 +113,7 @@ struct GrainField {
   uint64_t refused = 0;  // grains or blocks with a radius, density or other number not allowed
 };
 std::string fault(const GrainField& value);
+std::string faultIn(World& world, Entity entity, const GrainField& value);
 SCREE_COMPONENT(GrainField, (origin, "m"), (placed, ""), (gravity, "m/s^2"), (substeps, ""),
                 (passes, ""), (damping, "1/s"), (bounds_min, "m"), (bounds_max, "m"), (lost, ""),
                 (refused, ""));
@@ -135,6 +136,7 @@ struct GrainBlock {
   float roughness = 0.8f;
 };
 std::string fault(const GrainBlock& value);
+std::string faultIn(World& world, Entity entity, const GrainBlock& value);
 SCREE_COMPONENT(GrainBlock, (count, ""), (radius, "m"), (radius_jitter, ""), (spacing, "m"),
                 (seed, ""), (density, "kg/m^3"), (friction, ""), (rolling_friction, ""),
                 (restitution, ""), (cohesion, "N/m"), (color, ""), (color_jitter, ""), (roughness, ""));
@@ -212,6 +214,7 @@ struct HullCollider {
   vec3 surface_velocity{0};
 };
 std::string fault(const HullCollider& value);
+std::string faultIn(World& world, Entity entity, const HullCollider& value);
 SCREE_COMPONENT(HullCollider, (friction, ""), (rolling_friction, ""), (restitution, ""),
                 (cohesion, "N/m"), (surface_velocity, "m/s"));
 
@@ -227,6 +230,7 @@ struct MeshCollider {
   vec3 surface_velocity{0};
 };
 std::string fault(const MeshCollider& value);
+std::string faultIn(World& world, Entity entity, const MeshCollider& value);
 SCREE_COMPONENT(MeshCollider, (solid, ""), (thickness, "m"), (friction, ""), (rolling_friction, ""),
                 (restitution, ""), (cohesion, "N/m"), (surface_velocity, "m/s"));
 
@@ -242,6 +246,7 @@ struct SdfCollider {
   vec3 surface_velocity{0};
 };
 std::string fault(const SdfCollider& value);
+std::string faultIn(World& world, Entity entity, const SdfCollider& value);
 SCREE_COMPONENT(SdfCollider, (resolution, ""), (field, ""), (friction, ""), (rolling_friction, ""),
                 (restitution, ""), (cohesion, "N/m"), (surface_velocity, "m/s"));
 
@@ -315,6 +320,7 @@ struct LoadSensor {
   vec3 impulse{0};       // of all grains and bodies on this collider, world axes
   uint32_t contacts = 0;  // grains that press on it at the tick's end
 };
+std::string faultIn(World& world, Entity entity, const LoadSensor& value);
 SCREE_COMPONENT(LoadSensor, (impulse, "N s"), (contacts, ""));
 
 // On an entity with a Transform: grains whose centre is inside the oriented box at the tick's end.

@@ -46,6 +46,7 @@ struct GrainEmitter {
   uint64_t held_back = 0;  // no free place, or no room in the world (kMaxGrains)
 };
 std::string fault(const GrainEmitter& value);
+std::string faultIn(World& world, Entity entity, const GrainEmitter& value);
 SCREE_COMPONENT(GrainEmitter, (on, ""), (rate, "1/s"), (most, ""), (mouth, "m"), (velocity, "m/s"),
                 (spread, "m/s"), (seed, ""), (radius, "m"), (radius_jitter, ""),
                 (density, "kg/m^3"), (friction, ""), (rolling_friction, ""), (restitution, ""),

@@ -24,6 +24,7 @@ struct RigidBody {
   bool asleep = false;    // kept by the simulation: at rest, its Transform stays to the bit
 };
 std::string fault(const RigidBody& value);
+std::string faultIn(World& world, Entity entity, const RigidBody& value);
 SCREE_COMPONENT(RigidBody, (density, "kg/m^3"), (mass, "kg"), (velocity, "m/s"), (spin, "rad/s"),
                 (damping, "1/s"), (asleep, ""));
 
@@ -39,6 +40,7 @@ struct BodyHinge {
   vec3 line{0, 0, 1};  // world axes
 };
 std::string fault(const BodyHinge& value);
+std::string faultIn(World& world, Entity entity, const BodyHinge& value);
 SCREE_COMPONENT(BodyHinge, (point, "m"), (axis, ""), (resistance, "N m s"), (placed, ""), (pivot, "m"),
                 (line, ""));
 
@@ -54,6 +56,7 @@ struct BodySlider {
   dvec3 home{0};
 };
 std::string fault(const BodySlider& value);
+std::string faultIn(World& world, Entity entity, const BodySlider& value);
 SCREE_COMPONENT(BodySlider, (axis, ""), (stiffness, "N/m"), (resistance, "N s/m"), (low, "m"), (high, "m"),
                 (travel, "m"), (placed, ""), (home, "m"));
 

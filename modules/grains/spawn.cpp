@@ -39,13 +39,8 @@ std::string faultIn(GrainsState& state, const GrainBlock& block, const ClumpShap
   if (std::string wrong = fault(block); !wrong.empty()) return wrong;
   double total = 1.0 * block.count[0] * block.count[1] * block.count[2];
   if (shape != nullptr) {
-    const float largest = block.radius * (1 + block.radius_jitter);
-    std::string wrong = faultOfClumps(*shape, block.radius * (1 - block.radius_jitter), largest);
-    if (!wrong.empty()) return wrong;
-    const ClumpForm& form = state.forms.of(*shape);
-    if (block.spacing != 0) wrong = firstFault({{"spacing", block.spacing, 2.0 * largest * form.bound, 1e6}});
-    if (!wrong.empty()) return wrong;
-    total *= form.count;
+    if (std::string wrong = faultOfClumps(block, *shape, state.forms); !wrong.empty()) return wrong;
+    total *= state.forms.of(*shape).count;
   }
   if (total + static_cast<double>(grains_so_far) > kMaxGrains)
     return fmt::format("{} grains beside {}; a world holds {}", total, grains_so_far, kMaxGrains);
@@ -84,8 +79,7 @@ Point pointOf(const FoundBlock& found, size_t k, vec3 base, float spacing, float
 
 void spawnBlockOfClumps(World& world, const FoundBlock& found, const ClumpForm& form, const dvec3& origin) {
   const GrainBlock& block = found.block;
-  const float largest = block.radius * (1 + block.radius_jitter);
-  const float spacing = block.spacing > 0 ? block.spacing : 2.02f * largest * form.bound;
+  const float spacing = spacingOf(block, form.bound);
   const vec3 base = vec3(found.transform.position - origin);
   const size_t total = static_cast<size_t>(block.count[0]) * static_cast<size_t>(block.count[1]) *
                        static_cast<size_t>(block.count[2]);
@@ -104,8 +98,7 @@ void spawnBlockOfClumps(World& world, const FoundBlock& found, const ClumpForm& 
 
 void spawnBlock(World& world, const FoundBlock& found, const dvec3& origin) {
   const GrainBlock& block = found.block;
-  const float largest = block.radius * (1 + block.radius_jitter);
-  const float spacing = block.spacing > 0 ? block.spacing : 2.02f * largest;
+  const float spacing = spacingOf(block, 1);
   const vec3 base = vec3(found.transform.position - origin);
   const size_t total = static_cast<size_t>(block.count[0]) * static_cast<size_t>(block.count[1]) *
                        static_cast<size_t>(block.count[2]);
@@ -163,9 +156,19 @@ void spawnBlocks(GrainsState& state) {
 
 }  // namespace
 
+const GrainField* peekField(World& world) { return world.peek<GrainField>(firstField(world)); }
+
 dvec3 fieldOrigin(World& world) {
-  const GrainField* field = world.peek<GrainField>(firstField(world));
+  const GrainField* field = peekField(world);
   return field != nullptr ? field->origin : GrainField().origin;
+}
+
+std::string faultOfClumps(const GrainBlock& block, const ClumpShape& shape, ClumpForms& forms) {
+  const float largest = block.radius * (1 + block.radius_jitter);
+  std::string wrong = faultOfClumps(shape, block.radius * (1 - block.radius_jitter), largest);
+  if (wrong.empty() && block.spacing != 0)
+    wrong = firstFault({{"spacing", block.spacing, 2.0 * largest * forms.of(shape).bound, 1e6}});
+  return wrong;
 }
 
 std::string nameOf(const World& world, Entity entity) {

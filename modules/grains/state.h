@@ -134,8 +134,9 @@ void addToSaves(const SharedState& state);  // save.cpp
 inline constexpr uint32_t kKeysOfEntity = 8;
 inline uint32_t firstKeyOf(Entity entity) { return entity.index * kKeysOfEntity; }
 
-// The field's origin, without making the field.
-dvec3 fieldOrigin(World& world);  // spawn.cpp
+// The field and its origin, without making the field; null: there is none.
+const GrainField* peekField(World& world);  // spawn.cpp
+dvec3 fieldOrigin(World& world);
 // An entity as a message names it: by its Name if it has one.
 std::string nameOf(const World& world, Entity entity);  // spawn.cpp
 // What a block or an emitter says of its grains' matter.
@@ -145,6 +146,12 @@ GrainMaterial materialOf(const Maker& m) {
 }
 // What is wrong with clumps of these scales, spawn_clumps.cpp; empty: nothing.
 std::string faultOfClumps(const ClumpShape& shape, float smallest, float largest);
+// The same of a block of them, spawn.cpp.
+std::string faultOfClumps(const GrainBlock& block, const ClumpShape& shape, ClumpForms& forms);
+// Between a block's lattice points; `bound`: of a ball around what is spawned there, in radii.
+inline float spacingOf(const GrainBlock& block, float bound) {
+  return block.spacing > 0 ? block.spacing : 2.02f * (block.radius * (1 + block.radius_jitter)) * bound;
+}
 // Spawns clumps of one form, by its scale; only what the specs say of place, motion and matter counts.
 void spawnClumpsOf(World& world, const ClumpForm& form, std::span<const float> scale,
                    std::span<const ClumpSpec> specs);
