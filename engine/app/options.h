@@ -24,6 +24,7 @@ struct AppOptions {
 
   std::filesystem::path level_file;  // what is played: no output may replace it
   std::string level;               // name in recordings; a replay of another level is refused
+  uint64_t level_content = 0;      // hash of what level_file holds; so is a replay of another content
   std::filesystem::path replay;    // empty: live input
   std::filesystem::path record;    // empty: off
   std::filesystem::path bindings;  // action bindings, JSON; empty: the defaults

@@ -113,12 +113,15 @@ class Run {
       if (replay->level != options_.level)
         return Error{fmt::format("{}: level is '{}', but the run's level is '{}'",
                                  options_.replay.string(), replay->level, options_.level)};
+      if (replay->content != options_.level_content)
+        return Error{fmt::format("{}: was recorded on a '{}' of content {:016x}, but the run's has {:016x}; record it anew",
+                                 options_.replay.string(), replay->level, replay->content, options_.level_content)};
       if (replay->ticks_per_second != 60)
         return Error{fmt::format("{}: rate is {}, allowed is 60", options_.replay.string(),
                                  replay->ticks_per_second)};
       player_.emplace(std::move(*replay), state_.actions);
     }
-    if (!options_.record.empty()) recorder_.emplace(state_.actions, options_.level);
+    if (!options_.record.empty()) recorder_.emplace(state_.actions, options_.level, options_.level_content);
     if (!options_.capture.empty()) {
       Result<Capture> capture = Capture::open(options_.capture, options_.capture_exr);
       if (!capture.ok()) return capture.takeError();

@@ -13,8 +13,8 @@ namespace scree {
 std::string formatReplay(const Replay& replay) {
   std::string text;
   auto out = std::back_inserter(text);
-  fmt::format_to(out, "scree-replay 1\nlevel {}\nrate {}\nseed {}\n", replay.level,
-                 replay.ticks_per_second, replay.seed);
+  fmt::format_to(out, "scree-replay 2\nlevel {}\ncontent {:016x}\nrate {}\nseed {}\n", replay.level,
+                 replay.content, replay.ticks_per_second, replay.seed);
   for (const ReplayAction& action : replay.actions)
     fmt::format_to(out, "action {} {}\n", action.name,
                    action.kind == ActionKind::Axis ? "axis" : "button");
@@ -34,9 +34,10 @@ Status writeReplay(const std::filesystem::path& path, const Replay& replay) {
   return writeFile(path, text);
 }
 
-ReplayRecorder::ReplayRecorder(const ActionMap& map, std::string level, uint64_t seed,
+ReplayRecorder::ReplayRecorder(const ActionMap& map, std::string level, uint64_t content, uint64_t seed,
                                uint32_t ticks_per_second) {
   replay_.level = std::move(level);
+  replay_.content = content;
   replay_.seed = seed;
   replay_.ticks_per_second = ticks_per_second;
   for (const ActionDesc& action : map.actions())

@@ -1,7 +1,8 @@
 // Recorded actions, tick by tick: the same run again, from a text file.
 //
-//   scree-replay 1                      format and version
+//   scree-replay 2                      format and version
 //   level level1.glb                    what was played; the rest of the line
+//   content 0123456789abcdef            hash of what the level's file held
 //   rate 60                             ticks a second
 //   seed 0                              of the level's random numbers
 //   action move_x axis                  one line an action, in the map's order
@@ -50,6 +51,7 @@ struct ReplayChange {
 
 struct Replay {
   std::string level;
+  uint64_t content = 0;
   uint32_t ticks_per_second = 60;
   uint64_t seed = 0;
   std::vector<ReplayAction> actions;
@@ -70,7 +72,7 @@ Status writeReplay(const std::filesystem::path& path, const Replay& replay);
 // Notes the actions of each tick. Allocates only when values change.
 class ReplayRecorder {
  public:
-  ReplayRecorder(const ActionMap& map, std::string level, uint64_t seed = 0,
+  ReplayRecorder(const ActionMap& map, std::string level, uint64_t content, uint64_t seed = 0,
                  uint32_t ticks_per_second = 60);
   // Once a tick, in order, after ActionState::begin.
   void record(const ActionState& state);

@@ -83,6 +83,13 @@ class Parser {
                   high);
   }
 
+  // Sixteen lower-case hexadecimal digits.
+  bool digits(std::string_view word, uint64_t& value) {
+    const auto [rest, code] = std::from_chars(word.data(), word.data() + word.size(), value, 16);
+    if (code == std::errc() && rest == word.data() + word.size() && fmt::format("{:016x}", value) == word) return true;
+    return refuse("content is {}; allowed are 16 of the digits 0 to 9 and a to f", shown(word));
+  }
+
   bool keyword(std::string_view word) {
     if (!nextLine(fmt::format("the line '{}'", word))) return false;
     if (line_.substr(0, line_.find(' ')) == word) return true;
@@ -91,13 +98,14 @@ class Parser {
 
   bool header() {
     if (!keyword("scree-replay")) return false;
-    if (line_ != "scree-replay 1")
-      return refuse("{} is not a version that is read; allowed is 'scree-replay 1'", shown(line_));
+    if (line_ != "scree-replay 2")
+      return refuse("{} is not a version that is read; allowed is 'scree-replay 2'", shown(line_));
     if (!keyword("level")) return false;
     replay_.level = line_.substr(std::min(line_.size(), sizeof("level")));
     if (replay_.level.empty() || replay_.level.size() > kMaxLevelName)
       return refuse("the level's name has {} bytes; allowed are 1 to {}", replay_.level.size(),
                     kMaxLevelName);
+    if (!keyword("content") || !words(2, "content DIGITS") || !digits(words_[1], replay_.content)) return false;
     if (!keyword("rate") || !words(2, "rate TICKS_PER_SECOND") ||
         !number(words_[1], "rate", 1u, kMaxTicksPerSecond, replay_.ticks_per_second))
       return false;

@@ -1,6 +1,8 @@
 // The order of modules: what moves colliders comes before the grains, what weighs them after.
 #include "game/rules/game.h"
 
+#include "engine/core/file.h"
+#include "engine/core/hash.h"
 #include "game/rules/rules.h"
 #include "modules/deferred/deferred.h"
 #include "modules/grains/grains.h"
@@ -13,6 +15,9 @@ Result<std::unique_ptr<App>> openGame(AppOptions options, const std::filesystem:
   options.title = "Hourglass";
   options.level_file = level;
   options.level = level.filename().string();
+  // A file that cannot be read has its line when it is loaded.
+  if (Result<std::vector<uint8_t>> file = readBytes(level); file.ok())
+    options.level_content = hashBytes(file->data(), file->size());
   options.radiance_targets = {std::string(kTruth), std::string(kRadiance)};
   auto app = std::make_unique<App>(std::move(options));
   declareActions(*app);

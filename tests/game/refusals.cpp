@@ -155,10 +155,17 @@ TEST(Refusals, Replays) {
   refuse("nowhere.replay", {"nowhere.replay"});
   refuse(write("empty.replay", ""), {"empty.replay"});
   refuse(write("cut.replay", replay.substr(0, replay.size() / 2)), {"cut.replay"});
-  refuse(write("version.replay", replaced("scree-replay 1", "scree-replay 9")), {"version.replay:1"});
+  refuse(write("version.replay", replaced("scree-replay 2", "scree-replay 1")), {"version.replay:1", "'scree-replay 2'"});
   refuse(write("level.replay", replaced("level level1.glb", "level level2.glb")), {"level.replay"});
   refuse(write("action.replay", replaced("action move_x axis", "action moonwalk axis")), {"action.replay"});
   refuse(write("flipped.replay", replaced("begin\n", "begin\n1 move_x 1\n")), {"flipped.replay"});
+  // The same level but for one number.
+  std::string level = readAll(kLevel);
+  const size_t seed = level.find("\"seed\":7");
+  ASSERT_NE(seed, std::string::npos);
+  level[seed + 7] = '8';
+  expectRefusal({"--replay", kReplay.string(), "--level", write("level1.glb", level).string(), "--context", "egl"},
+                {"level1_win.replay", "'level1.glb' of content ", "record it anew"});
   refuse(write("binary.replay", std::string("\0\1\2\3", 4) + replay), {"binary.replay:1"});
 }
 

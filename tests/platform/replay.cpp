@@ -52,7 +52,7 @@ TEST(Replay, RandomStreamsArePlayedBackExactly) {
     const uint64_t ticks = randomBits(kSeed, run, 2, 0) % 300;
     const uint64_t level_seed = randomBits(kSeed, run, 3, 0);
 
-    ReplayRecorder recorder(map, fmt::format("levels/a b {}.glb", run), level_seed);
+    ReplayRecorder recorder(map, fmt::format("levels/a b {}.glb", run), ~level_seed, level_seed);
     std::vector<ActionState> played;
     ActionState state;
     std::vector<int16_t> values(count, 0);
@@ -90,7 +90,7 @@ TEST(Replay, RandomStreamsArePlayedBackExactly) {
 
 TEST(Replay, ActionsAreFoundByNameInAnotherOrder) {
   const ActionMap recorded = gameMap();
-  ReplayRecorder recorder(recorded, "l");
+  ReplayRecorder recorder(recorded, "l", 1);
   ActionState state;
   const int16_t values[] = {5, -6, 0, kFullValue};
   state.begin(values);
@@ -116,6 +116,7 @@ TEST(Replay, IsWrittenAndReadAsAFile) {
       std::filesystem::path(testing::TempDir()) / fmt::format("scree_{}.replay", getpid());
   Replay replay;
   replay.level = "level1.glb";
+  replay.content = 5;
   replay.actions = {{"move_x", ActionKind::Axis}};
   replay.changes = {{3, 0, -32767}, {9, 0, 0}};
   replay.ticks = 12;
@@ -136,7 +137,7 @@ TEST(Replay, IsWrittenAndReadAsAFile) {
 }
 
 const std::string kHead =
-    "scree-replay 1\nlevel level1.glb\nrate 60\nseed 7\n"
+    "scree-replay 2\nlevel level1.glb\ncontent 00c0ffee00c0ffee\nrate 60\nseed 7\n"
     "action move_x axis\naction pause button\nbegin\n";
 
 // `text` up to the checksum, with the right checksum.
@@ -151,6 +152,7 @@ TEST(Replay, TheSealedHeadIsAccepted) {
   ASSERT_TRUE(read.ok()) << read.error();
   EXPECT_EQ(read.value().changes.size(), 3u);
   EXPECT_EQ(read.value().seed, 7u);
+  EXPECT_EQ(read.value().content, 0x00c0ffee00c0ffeeu);
 }
 
 TEST(Replay, DamagedFilesAreRefusedWithTheirLine) {
@@ -174,64 +176,71 @@ TEST(Replay, DamagedFilesAreRefusedWithTheirLine) {
   const Case cases[] = {
       {"", 1, "the file ends here"},
       {"\n", 1, "expected a line that begins with 'scree-replay'"},
-      {"scree-replay 2\n", 1, "'scree-replay 2' is not a version"},
-      {"scree-replay 1", 1, "ends within this line"},
-      {"scree-replay 1 \n", 1, "not a version"},
-      {"\xef\xbb\xbfscree-replay 1\n", 1, "\\xef\\xbb\\xbf"},
-      {"scree-replay 1\n", 2, "'level' is missing"},
+      {"scree-replay 1\n", 1, "'scree-replay 1' is not a version that is read; allowed is 'scree-replay 2'"},
+      {"scree-replay 2", 1, "ends within this line"},
+      {"scree-replay 2 \n", 1, "not a version"},
+      {"\xef\xbb\xbfscree-replay 2\n", 1, "\\xef\\xbb\\xbf"},
+      {"scree-replay 2\n", 2, "'level' is missing"},
       {head("level level1.glb", "level "), 2, "0 bytes"},
       {head("level1.glb", std::string(257, 'x').c_str()), 2, "257 bytes"},
       {head("level1.glb", std::string(5000, 'x').c_str()), 2, "a line of 5006 bytes"},
       {head("level1.glb", "a\tb"), 2, "control character 0x09 in column 8"},
-      {head("rate 60", "rate 0"), 3, "rate is '0'; allowed is a whole number from 1 to 1000"},
-      {head("rate 60", "rate 60.0"), 3, "rate is '60.0'"},
-      {head("rate 60", "rate 60 1"), 3, "not of the form 'rate TICKS_PER_SECOND'"},
-      {head("seed 7", "seed -7"), 4, "seed is '-7'"},
-      {head("seed 7", "seed 18446744073709551616"), 4, "seed is '18446744073709551616'"},
-      {head("seed 7", "sead 7"), 4, "expected a line that begins with 'seed'"},
-      {head("axis", "stick"), 5, "'stick'; allowed are axis, button"},
-      {head("move_x", "fly"), 5, "action 'fly' is not one of this game"},
-      {head("move_x axis", "move_x button"), 5, "kind 'button' here"},
-      {head("pause button", "move_x axis"), 6, "given twice"},
-      {head("begin\n", (many_actions + "begin\n").c_str()), 69, "more than 64 actions"},
-      {head("begin\n", ""), 7, "expected 'action NAME axis|button' or 'begin'"},
-      {body("0 move_x 5\n"), 8, "tick is '0'"},
-      {body("-1 move_x 5\n"), 8, "tick is '-1'"},
-      {body("5184001 move_x 5\n"), 8, "from 1 to 5184000"},
-      {body("99999999999999999999999 move_x 5\n"), 8, "tick is '99999999999999999999999'"},
-      {body("1e3 move_x 5\n"), 8, "tick is '1e3'"},
-      {body("01 move_x 5\n"), 8, "tick is '01'"},
-      {body("+1 move_x 5\n"), 8, "tick is '+1'"},
-      {body("5 move_x 5\n4 move_x 6\n"), 9, "tick 4 comes after tick 5"},
-      {body("5 move_y 5\n"), 8, "action 'move_y' is not one of the header"},
-      {body("5 pause 32767\n5 move_x 5\n"), 9, "out of the header's order"},
-      {body("5 move_x 5\n5 move_x 6\n"), 9, "out of the header's order"},
-      {body("5 move_x 32768\n"), 8, "value is '32768'"},
-      {body("5 move_x -32768\n"), 8, "from -32767 to 32767"},
-      {body("5 move_x 0.5\n"), 8, "value is '0.5'"},
-      {body("5 move_x -0\n"), 8, "value is '-0'"},
-      {body("5 move_x nan\n"), 8, "value is 'nan'"},
-      {body("5 pause 1\n"), 8, "allowed are 0 and 32767"},
-      {body("5 pause -32767\n"), 8, "from 0 to 32767"},
-      {body("5 move_x 5\n6 move_x 5\n"), 9, "already has the value 5"},
-      {body("5 move_x 0\n"), 8, "already has the value 0"},
-      {body("11 move_x 5\n"), 9, "the last change is at tick 11, after the end at 10"},
-      {body("5  move_x 5\n"), 8, "not of the form 'TICK ACTION VALUE'"},
-      {body("5 move_x 5 \n"), 8, "not of the form"},
-      {body("5 move_x 5\r\n"), 8, "control character 0x0d"},
-      {body(std::string("5 move_x 5\0\n", 12)), 8, "control character 0x00 in column 11"},
-      {body("\n"), 8, "not of the form"},
-      {body(std::string(100000, '5') + " move_x 5\n"), 8, "a line of 100009 bytes"},
-      {kHead, 8, "'end TICKS checksum DIGITS' is missing"},
-      {kHead + "1 move_x 5\n", 9, "is missing"},
-      {kHead + "end 10\n", 8, "not of the form 'end TICKS checksum DIGITS'"},
-      {kHead + "end 10 checksum 12\n", 8, "with 16 digits"},
-      {kHead + "end 10 checksum 0123456789abcdef\n", 8, "the file was changed"},
-      {sealed(kHead + "end 9999999999 checksum "), 8, "ticks is '9999999999'"},
-      {good.substr(0, good.size() - 1), 9, "ends within this line"},
-      {good + "\n", 10, "after the end"},
-      {good + "2 move_x 6\n", 10, "'2 move_x 6\\x0a' after the end"},
-      {good + std::string(1, '\0'), 10, "'\\x00' after the end"},
+      {head("content 00c0ffee00c0ffee\n", ""), 3, "expected a line that begins with 'content'"},
+      {head("00c0ffee00c0ffee", "c0ffee00c0ffee"), 3, "content is 'c0ffee00c0ffee'; allowed are 16 of the digits 0 to 9 and a to f"},
+      {head("00c0ffee00c0ffee", "00C0FFEE00C0FFEE"), 3, "content is '00C0FFEE00C0FFEE'"},
+      {head("00c0ffee00c0ffee", "00c0ffee00c0ffee0"), 3, "content is '00c0ffee00c0ffee0'"},
+      {head("00c0ffee00c0ffee", "0x00c0ffee00c0ff"), 3, "content is '0x00c0ffee00c0ff'"},
+      {head("00c0ffee00c0ffee", "-0c0ffee00c0ffee"), 3, "content is '-0c0ffee00c0ffee'"},
+      {head("00c0ffee00c0ffee", "00c0ffee 00c0ffee"), 3, "not of the form 'content DIGITS'"},
+      {head("rate 60", "rate 0"), 4, "rate is '0'; allowed is a whole number from 1 to 1000"},
+      {head("rate 60", "rate 60.0"), 4, "rate is '60.0'"},
+      {head("rate 60", "rate 60 1"), 4, "not of the form 'rate TICKS_PER_SECOND'"},
+      {head("seed 7", "seed -7"), 5, "seed is '-7'"},
+      {head("seed 7", "seed 18446744073709551616"), 5, "seed is '18446744073709551616'"},
+      {head("seed 7", "sead 7"), 5, "expected a line that begins with 'seed'"},
+      {head("axis", "stick"), 6, "'stick'; allowed are axis, button"},
+      {head("move_x", "fly"), 6, "action 'fly' is not one of this game"},
+      {head("move_x axis", "move_x button"), 6, "kind 'button' here"},
+      {head("pause button", "move_x axis"), 7, "given twice"},
+      {head("begin\n", (many_actions + "begin\n").c_str()), 70, "more than 64 actions"},
+      {head("begin\n", ""), 8, "expected 'action NAME axis|button' or 'begin'"},
+      {body("0 move_x 5\n"), 9, "tick is '0'"},
+      {body("-1 move_x 5\n"), 9, "tick is '-1'"},
+      {body("5184001 move_x 5\n"), 9, "from 1 to 5184000"},
+      {body("99999999999999999999999 move_x 5\n"), 9, "tick is '99999999999999999999999'"},
+      {body("1e3 move_x 5\n"), 9, "tick is '1e3'"},
+      {body("01 move_x 5\n"), 9, "tick is '01'"},
+      {body("+1 move_x 5\n"), 9, "tick is '+1'"},
+      {body("5 move_x 5\n4 move_x 6\n"), 10, "tick 4 comes after tick 5"},
+      {body("5 move_y 5\n"), 9, "action 'move_y' is not one of the header"},
+      {body("5 pause 32767\n5 move_x 5\n"), 10, "out of the header's order"},
+      {body("5 move_x 5\n5 move_x 6\n"), 10, "out of the header's order"},
+      {body("5 move_x 32768\n"), 9, "value is '32768'"},
+      {body("5 move_x -32768\n"), 9, "from -32767 to 32767"},
+      {body("5 move_x 0.5\n"), 9, "value is '0.5'"},
+      {body("5 move_x -0\n"), 9, "value is '-0'"},
+      {body("5 move_x nan\n"), 9, "value is 'nan'"},
+      {body("5 pause 1\n"), 9, "allowed are 0 and 32767"},
+      {body("5 pause -32767\n"), 9, "from 0 to 32767"},
+      {body("5 move_x 5\n6 move_x 5\n"), 10, "already has the value 5"},
+      {body("5 move_x 0\n"), 9, "already has the value 0"},
+      {body("11 move_x 5\n"), 10, "the last change is at tick 11, after the end at 10"},
+      {body("5  move_x 5\n"), 9, "not of the form 'TICK ACTION VALUE'"},
+      {body("5 move_x 5 \n"), 9, "not of the form"},
+      {body("5 move_x 5\r\n"), 9, "control character 0x0d"},
+      {body(std::string("5 move_x 5\0\n", 12)), 9, "control character 0x00 in column 11"},
+      {body("\n"), 9, "not of the form"},
+      {body(std::string(100000, '5') + " move_x 5\n"), 9, "a line of 100009 bytes"},
+      {kHead, 9, "'end TICKS checksum DIGITS' is missing"},
+      {kHead + "1 move_x 5\n", 10, "is missing"},
+      {kHead + "end 10\n", 9, "not of the form 'end TICKS checksum DIGITS'"},
+      {kHead + "end 10 checksum 12\n", 9, "with 16 digits"},
+      {kHead + "end 10 checksum 0123456789abcdef\n", 9, "the file was changed"},
+      {sealed(kHead + "end 9999999999 checksum "), 9, "ticks is '9999999999'"},
+      {good.substr(0, good.size() - 1), 10, "ends within this line"},
+      {good + "\n", 11, "after the end"},
+      {good + "2 move_x 6\n", 11, "'2 move_x 6\\x0a' after the end"},
+      {good + std::string(1, '\0'), 11, "'\\x00' after the end"},
       {std::string(1000, '\0'), 1, "a line of 1000 bytes"},
       {std::string(10, '\0'), 1, "control character 0x00"},
   };

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   }
   App& app = **opened;
   hourglass::Bot bot(app, {0.0, -1.5, 1.5, -2.6, 2.6, -0.75, 0.75}, -3.0, 3.6);
-  ReplayRecorder recorder(app.actions(), level.filename().string());
+  ReplayRecorder recorder(app.actions(), app.options().level, app.options().level_content);
   ActionState& actions = app.world().singleton<ActionState>();
   constexpr uint64_t kMostTicks = 60 * 300, kAfterWin = 120;
   uint64_t after_win = 0;
