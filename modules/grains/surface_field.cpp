@@ -103,6 +103,7 @@ Result<SharedField> makeHull(std::span<const vec3> points) {
 Result<SharedField> makeMesh(std::span<const vec3> corners, bool solid, float thickness) {
   TriangleSurface surface;
   if (std::string fault = surface.build(corners); !fault.empty()) return Error{std::move(fault)};
+  if (std::string fault = surface.crowded(); !fault.empty()) return Error{std::move(fault)};
   if (solid && !surface.closed()) return Error{kOpen};
   return SharedField(std::make_shared<SurfaceField>(
       std::move(surface), solid ? SurfaceField::Side::Solid : SurfaceField::Side::Sheet, thickness));
@@ -111,6 +112,7 @@ Result<SharedField> makeMesh(std::span<const vec3> corners, bool solid, float th
 Result<SharedField> bakeMesh(std::span<const vec3> corners, int resolution) {
   TriangleSurface surface;
   if (std::string fault = surface.build(corners); !fault.empty()) return Error{std::move(fault)};
+  if (std::string fault = surface.crowded(); !fault.empty()) return Error{std::move(fault)};
   if (!surface.closed()) return Error{kOpen};
   const vec3 size = surface.high() - surface.low();
   const float longest = std::max({size.x, size.y, size.z});

@@ -31,21 +31,46 @@ bool hasArea(dvec3 a, dvec3 b, dvec3 c) {
   return glm::dot(cross, cross) > 1e-12 * longest * longest;
 }
 
+// By triangle: whether one before it has the same corners in the same turn.
+std::vector<uint8_t> repeats(std::span<const vec3> corners) {
+  struct Turned {
+    std::array<vec3, 3> corner;  // the lowest first
+    uint32_t triangle;
+  };
+  std::vector<Turned> all(corners.size() / 3);
+  for (uint32_t t = 0; t < all.size(); ++t) {
+    const vec3* p = &corners[3 * size_t{t}];
+    size_t first = before(p[1], p[0]) ? 1 : 0;
+    if (before(p[2], p[first])) first = 2;
+    all[t] = {{p[first], p[(first + 1) % 3], p[(first + 2) % 3]}, t};
+  }
+  std::sort(all.begin(), all.end(), [](const Turned& a, const Turned& b) {
+    for (size_t c = 0; c < 3; ++c)
+      if (a.corner[c] != b.corner[c]) return before(a.corner[c], b.corner[c]);
+    return a.triangle < b.triangle;
+  });
+  std::vector<uint8_t> repeated(all.size(), 0);
+  for (size_t k = 1; k < all.size(); ++k) repeated[all[k].triangle] = all[k].corner == all[k - 1].corner;
+  return repeated;
+}
+
 }  // namespace
 
 std::string TriangleSurface::build(std::span<const vec3> corners) {
   *this = {};
   if (corners.size() / 3 > kMostTriangles)
     return fmt::format("it has {} triangles; allowed are {}", corners.size() / 3, kMostTriangles);
+  for (size_t k = 0; k < corners.size(); ++k)
+    for (int axis = 0; axis < 3; ++axis)
+      if (!(std::abs(corners[k][axis]) <= kMostCoordinate))
+        return fmt::format("a corner of triangle {} is at {} m, scaled; allowed is up to {} m", k / 3,
+                           corners[k][axis], kMostCoordinate);
+  const std::vector<uint8_t> repeated = repeats(corners);
   std::vector<vec3> kept, needles;
   kept.reserve(corners.size());
   for (size_t k = 0; k + 3 <= corners.size(); k += 3) {
     const vec3 a = corners[k], b = corners[k + 1], c = corners[k + 2];
-    for (const vec3 corner : {a, b, c})
-      for (int axis = 0; axis < 3; ++axis)
-        if (!(std::abs(corner[axis]) <= kMostCoordinate))
-          return fmt::format("a corner of triangle {} is at {} m, scaled; allowed is up to {} m", k / 3,
-                             corner[axis], kMostCoordinate);
+    if (repeated[k / 3] != 0) continue;
     if (hasArea(a, b, c)) {
       kept.insert(kept.end(), {a, b, c});
       continue;
@@ -55,7 +80,7 @@ std::string TriangleSurface::build(std::span<const vec3> corners) {
   }
   if (kept.empty())
     return skipped_ == 0 ? "it has no triangles"
-                         : fmt::format("none of its {} triangles has an area", skipped_);
+                         : fmt::format("none of its {} triangles has an area", corners.size() / 3);
   tree_.build(kept);
   triangles_ = kept.size() / 3;
   corner_.reserve(kept.size() + needles.size());
@@ -65,6 +90,20 @@ std::string TriangleSurface::build(std::span<const vec3> corners) {
   weld();
   connect();
   normals();
+  return {};
+}
+
+// Triangles in one place are side by side in the tree's order, or nearly: some of them are looked at.
+std::string TriangleSurface::crowded() const {
+  for (size_t t = 0; t < triangles_; t += kMostInOnePlace / 4) {
+    const vec3 middle = (corner_[3 * t] + corner_[3 * t + 1] + corner_[3 * t + 2]) / 3.0f;
+    uint32_t here = 0;
+    tree_.near(middle, std::numeric_limits<double>::min(), [&](uint32_t, double&) { ++here; },
+               [&](vec3, vec3) { return here > kMostInOnePlace; });
+    if (here > kMostInOnePlace)
+      return fmt::format("more than {} of its triangles are around ({}, {}, {}) m, scaled; allowed are {}", kMostInOnePlace,
+                         middle.x, middle.y, middle.z, kMostInOnePlace);
+  }
   return {};
 }
 

@@ -15,13 +15,20 @@ namespace scree::grains {
 // The most triangles of a collider; more are refused.
 inline constexpr size_t kMostTriangles = size_t{1} << 20;
 
+// The most triangles of a mesh whose boxes hold one point: a search there looks at each, some 60 ns. More are refused.
+inline constexpr uint32_t kMostInOnePlace = 1024;
+
 class TriangleSurface {
  public:
   // Corners, three a triangle, counter-clockwise seen from outside. Corners at the same place are
   // one vertex. Triangles less than a millionth as high as long are skipped (but count for what is
-  // closed, as fillings of cracks). Empty, or what is wrong: nothing is left over,
-  // too many triangles, a number that is not finite or is beyond 1e6 m.
+  // closed, as fillings of cracks). Of triangles with the same corners and the same side outside, the first
+  // stands for all. Empty, or what is wrong: nothing is left over, too many triangles, a number that is not
+  // finite or is beyond 1e6 m.
   std::string build(std::span<const vec3> corners);
+
+  // What is wrong if more than kMostInOnePlace are in one; else empty.
+  std::string crowded() const;
 
   size_t triangles() const { return triangles_; }
   size_t skipped() const { return skipped_; }
