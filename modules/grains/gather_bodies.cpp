@@ -40,6 +40,8 @@ const Collider* colliderOf(const GrainsState& state, Entity entity, std::string&
       why = "its field has no end";
       return nullptr;
     }
+    why = state.shapes.faultAsBody(collider.field_identity);
+    if (!why.empty()) return nullptr;
   }
   return &collider;
 }

@@ -205,6 +205,17 @@ void fieldOutline(const DistanceField& field, RigidForm& form) {
 
 }  // namespace
 
+double thicknessOf(std::span<const vec3> corners) {
+  double volume = 0, area = 0;
+  for (size_t k = 0; k + 3 <= corners.size(); k += 3) {
+    const dvec3 from(corners[0]), a = dvec3(corners[k]) - from, b = dvec3(corners[k + 1]) - from,
+                c = dvec3(corners[k + 2]) - from;
+    volume += glm::dot(a, glm::cross(b, c)) / 6;
+    area += glm::length(glm::cross(b - a, c - a)) / 2;
+  }
+  return area > 0 ? 2 * volume / area : 0;
+}
+
 RigidForm outlineOf(const Collider& collider) {
   RigidForm form;
   form.convex = isConvex(collider);

@@ -2,6 +2,7 @@
 // with which it touches others.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "modules/grains/collider.h"
@@ -22,6 +23,10 @@ struct RigidForm {
   float reach = 0;  // of the surface from the local origin, m
   bool convex = false;  // the hull of the points, with the radius around it
 };
+
+// Twice what closed triangles hold over their area, m: of a plate its thickness, of a ball two thirds of its radius.
+// Below 0: they are inside out.
+double thicknessOf(std::span<const vec3> corners);
 
 // Points of a field's surface that stand for the rest where it has more: those farthest out.
 inline constexpr size_t kMostPoints = 96;

@@ -9,6 +9,7 @@
 #include "engine/core/hash.h"
 #include "engine/core/log.h"
 #include "modules/grains/hull.h"
+#include "modules/grains/rigid_form.h"
 #include "modules/grains/state.h"
 #include "modules/grains/triangle_surface.h"
 
@@ -41,6 +42,12 @@ size_t trianglesOf(const StoredMesh& mesh) {
   size_t indices = 0;
   for (const MeshPart& part : mesh.parts) indices += part.index_count;
   return indices / 3;
+}
+
+// Of closed triangles as a body: below what a box may be thin.
+std::string faultOfThickness(double thickness) {
+  if (thickness >= kLeastRadius) return {};
+  return fmt::format("its mesh is {:.3g} m thick, twice the volume over the area; a body's is {} m or more", thickness, kLeastRadius);
 }
 
 }  // namespace
@@ -108,17 +115,19 @@ FoundShape Shapes::find(uint32_t key, Entity entity, const char* collider, Recip
   auto at = std::find_if(shape_.begin(), shape_.end(),
                          [&](const Shape& shape) { return shape.recipe == recipe; });
   if (at == shape_.end()) {
-    shape_.push_back({recipe, {}, {}, 0});
+    shape_.push_back({.recipe = recipe});
     at = std::prev(shape_.end());
-    make(*at);
+    make(world_->singleton<const MeshStore>(), *at);
+    ColliderShapes& counts = world_->singleton<ColliderShapes>();
+    const uint64_t made = at->found.field != nullptr;
+    (recipe.kind == Kind::Hull ? counts.hulls : recipe.kind == Kind::Sdf ? counts.fields : counts.meshes) += made;
   }
   at->unused = 0;
   return at->found.field != nullptr ? at->found : refuse(key, entity, collider, at->fault);
 }
 
-void Shapes::make(Shape& shape) {
+void Shapes::make(const MeshStore& store, Shape& shape) {
   const Recipe& recipe = shape.recipe;
-  const MeshStore& store = world_->singleton<const MeshStore>();
   if (recipe.mesh >= store.size()) {
     shape.fault = fmt::format("its MeshInstance names mesh {}; there are {}", recipe.mesh, store.size());
     return;
@@ -138,21 +147,17 @@ void Shapes::make(Shape& shape) {
     return;
   }
   const std::vector<vec3> corners = cornersOf(store, mesh, recipe.scale);
-  ColliderShapes& counts = world_->singleton<ColliderShapes>();
   Result<SharedField> made = SharedField();
   switch (recipe.kind) {
     case Kind::Hull:
       made = makeHull(corners);
-      counts.hulls += made.ok();
       break;
     case Kind::Sheet:
     case Kind::Solid:
       made = makeMesh(corners, recipe.kind == Kind::Solid, recipe.detail);
-      counts.meshes += made.ok();
       break;
     case Kind::Sdf:
       made = bakeMesh(corners, static_cast<int>(recipe.detail));
-      counts.fields += made.ok();
       break;
   }
   if (made.ok()) {
@@ -161,9 +166,27 @@ void Shapes::make(Shape& shape) {
       float detail;
     } how{recipe.kind, recipe.detail};
     shape.found = {*made, hashBytes(corners.data(), corners.size() * sizeof(vec3), hashBytes(&how, sizeof how))};
+    if (const std::span<const vec3> closed = (*made)->corners(); !closed.empty())
+      shape.fault_as_body = faultOfThickness(thicknessOf(closed));
   } else {
     shape.fault = named(made.error());
   }
+}
+
+std::string Shapes::faultAsBody(uint64_t identity) const {
+  for (const Shape& shape : shape_)
+    if (shape.found.field != nullptr && shape.found.identity == identity) return shape.fault_as_body;
+  return {};
+}
+
+std::string Shapes::faultAsBody(const MeshStore& store, const World& world, Entity entity) {
+  const MeshInstance* instance = world.peek<MeshInstance>(entity);
+  const MeshCollider* mesh = world.peek<MeshCollider>(entity);
+  if (instance == nullptr || (mesh == nullptr && !world.has<HullCollider>(entity))) return {};
+  Shape shape;
+  shape.recipe = {mesh != nullptr ? Kind::Solid : Kind::Hull, instance->mesh, world.peek<Transform>(entity)->scale, 0};
+  make(store, shape);
+  return shape.fault.empty() ? shape.fault_as_body : shape.fault;
 }
 
 FoundShape Shapes::refuse(uint32_t key, Entity entity, const char* collider, const std::string& why) {

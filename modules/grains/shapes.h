@@ -6,6 +6,10 @@
 
 #include "modules/grains/surface_field.h"
 
+namespace scree {
+class MeshStore;
+}
+
 namespace scree::grains {
 
 // A field, null if there is none, and what tells it from others in every process (Collider).
@@ -28,6 +32,11 @@ class Shapes {
   FoundShape mesh(uint32_t key, Entity entity, vec3 scale, const MeshCollider& collider);
   FoundShape sdf(uint32_t key, Entity entity, vec3 scale, const SdfCollider& collider);
 
+  // What is wrong with a shape of closed triangles as a body's, by its identity; empty: nothing.
+  std::string faultAsBody(uint64_t identity) const;
+  // The same of an entity's HullCollider or solid MeshCollider, if it has one, and of the mesh: makes the shape.
+  static std::string faultAsBody(const MeshStore& store, const World& world, Entity entity);
+
  private:
   enum class Kind : uint32_t { Hull, Sheet, Solid, Sdf };
   struct Recipe {
@@ -40,12 +49,13 @@ class Shapes {
   struct Shape {
     Recipe recipe;
     FoundShape found;  // null: refused
+    std::string fault_as_body;
     std::string fault;
     uint32_t unused = 0;  // ticks
   };
 
   FoundShape find(uint32_t key, Entity entity, const char* collider, Recipe recipe);
-  void make(Shape& shape);
+  static void make(const MeshStore& store, Shape& shape);
   FoundShape refuse(uint32_t key, Entity entity, const char* collider, const std::string& why);
   void count();
 

@@ -148,6 +148,8 @@ std::string faultIn(World& world, Entity entity, const RigidBody&) {
   if (world.has<PlaneCollider>(entity)) return "its collider is a plane; a body's has a volume";
   const MeshCollider* mesh = world.peek<MeshCollider>(entity);
   if (mesh != nullptr && !mesh->solid) return "its MeshCollider is a sheet; a body's is solid";
+  std::string wrong = Shapes::faultAsBody(world.singleton<const MeshStore>(), world, entity);
+  if (!wrong.empty()) return wrong;
   return faultOutside(world, *world.peek<Transform>(entity), vec3(0), "it starts");
 }
 

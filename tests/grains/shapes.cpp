@@ -128,6 +128,20 @@ TEST(Shapes, WhatWillNotDoIsRefusedWithOneLineEach) {
   EXPECT_NEAR(places(world)[0].y, 0.05, 1e-3);  // the good one holds
 }
 
+TEST(Shapes, AMeshTooThinForABodyStandsStill) {
+  auto app = makeApp();
+  World& world = app->world();
+  ASSERT_TRUE(loadNodes(world, {{"plate", boxSoup({-1, -4e-6f, -1}, {1, 4e-6f, 1}), {{"HullCollider", kDefault}}}}).ok());
+  Entity plate = Entity::kNone;
+  world.query<const HullCollider>().each([&](Entity entity, const HullCollider&) { plate = entity; });
+  world.add(plate, RigidBody{});
+  testing::internal::CaptureStderr();
+  run(*app, 3);
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("RigidBody of \"plate\" refused: its mesh is 8e-06 m thick"), std::string::npos) << log;
+  EXPECT_EQ(world.peek<Transform>(plate)->position.y, 0);
+}
+
 TEST(Shapes, NumbersOutOfRangeRefuseTheFile) {
   auto app = makeApp();
   const auto refused = [&](const json& extras, const std::string& text) {

@@ -11,6 +11,7 @@
 
 #include "modules/grains/grains.h"
 #include "modules/scene/scene.h"
+#include "tests/grains/meshes.h"
 
 namespace scree::grains::test {
 namespace {
@@ -25,7 +26,7 @@ class Standing : public ::testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  // A triangle is mesh 0.
+  // Mesh 0 is mesh_, or a triangle.
   Status load(World& world, const json& nodes) {
     json doc = json::parse(R"({"asset": {"version": "2.0"},
       "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
@@ -33,6 +34,14 @@ class Standing : public ::testing::Test {
       "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
       "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.25}}]})");
+    if (!mesh_.empty()) {
+      std::ofstream(folder_ / "mesh.bin", std::ios::binary)
+          .write(reinterpret_cast<const char*>(mesh_.data()), static_cast<std::streamsize>(mesh_.size() * sizeof(vec3)));
+      const size_t bytes = mesh_.size() * sizeof(vec3);
+      doc["buffers"][0] = {{"byteLength", bytes}, {"uri", "mesh.bin"}};
+      doc["bufferViews"][0]["byteLength"] = bytes;
+      doc["accessors"][0]["count"] = mesh_.size();
+    }
     doc["nodes"] = nodes;
     doc["nodes"].push_back({{"name", "eye"}, {"camera", 0}});
     const std::filesystem::path path = folder_ / "level.gltf";
@@ -59,6 +68,7 @@ class Standing : public ::testing::Test {
   }
 
   std::filesystem::path folder_;
+  Soup mesh_;
 };
 
 std::string alone(const std::string& extras) { return R"([{"name": "thing", "extras": {)" + extras + "}}]"; }
@@ -101,6 +111,25 @@ TEST_F(Standing, ASecondField) {
   const size_t entities = world.entityCount();
   EXPECT_FALSE(load(world, json::parse(alone(R"("GrainField": {})"))).ok()) << "of another file";
   EXPECT_EQ(world.entityCount(), entities);
+}
+
+// A plate 1 m wide; of a plate, twice the volume over the area is its thickness.
+TEST_F(Standing, ABodyOfAMeshThatIsTooThin) {
+  for (const char* collider : {R"("HullCollider": {})", R"("MeshCollider": {"solid": true})"}) {
+    const auto nodes = [&](const char* more) {
+      return std::string(R"([{"name": "plate", "mesh": 0, "scale": [1, 0.5, 1], "extras": {)") + collider + more + "}}]";
+    };
+    mesh_ = boxSoup({-0.5f, -9e-6f, -0.5f}, {0.5f, 9e-6f, 0.5f});
+    refused(nodes(R"(, "RigidBody": {})"), {"\"plate\": extras: RigidBody: ", "9e-06 m thick", "1e-05 m or more"});
+    taken(nodes(""));
+    mesh_ = boxSoup({-0.5f, -11e-6f, -0.5f}, {0.5f, 11e-6f, 0.5f});
+    taken(nodes(R"(, "RigidBody": {})"));
+  }
+  mesh_ = boxSoup(vec3(-0.5f), vec3(0.5f));
+  for (size_t k = 0; k < mesh_.size(); k += 3) std::swap(mesh_[k], mesh_[k + 1]);
+  refused(R"([{"mesh": 0, "extras": {"RigidBody": {}, "MeshCollider": {"solid": true}}}])", {"-0.333 m thick"});
+  mesh_.resize(9);
+  refused(R"([{"mesh": 0, "extras": {"RigidBody": {}, "MeshCollider": {"solid": true}}}])", {"not closed"});
 }
 
 // The field is 18 x 11 x 18 m, 1,000 m from the world's origin.
