@@ -1,6 +1,8 @@
-// Counts heap allocations of one thread, for tests of "the steady state allocates nothing".
+// Counts heap allocations of one thread and the bytes of all, for tests of "the steady state allocates nothing".
 // A test that uses it gets counting versions of operator new and delete.
 #pragma once
+
+#include <cstddef>
 
 namespace scree::test {
 
@@ -13,5 +15,9 @@ class AllocationCount {
   AllocationCount& operator=(const AllocationCount&) = delete;
   int count() const;
 };
+
+// Bytes of what operator new gave to any thread and delete has not taken back. The C library's own sums (mallinfo)
+// would count small blocks that it keeps for the next request.
+std::size_t bytesInUse();
 
 }  // namespace scree::test
