@@ -63,6 +63,7 @@ void addDeferred(App& app) {
   app.addTarget(std::string(kGbufferMotion), {.format = GL_RG16F});
   app.addTarget(std::string(kGbufferId), {.format = GL_R32UI});
   app.addTarget(std::string(kGbufferDepth), {.format = GL_DEPTH_COMPONENT32F});
+  app.frame().addExternal(std::string(kGbufferSpread));
   app.addTarget(std::string(kShadowMap),
                 {.format = GL_DEPTH_COMPONENT16,
                  .fixed_size = ivec2(rules::kShadowMapSize),

@@ -36,6 +36,9 @@ inline constexpr std::string_view kGbufferEmissive = "gbuffer.emissive";
 inline constexpr std::string_view kGbufferMotion = "gbuffer.motion";
 inline constexpr std::string_view kGbufferId = "gbuffer.id";
 inline constexpr std::string_view kGbufferDepth = "gbuffer.depth";
+// No target: written, as Access::StorageWrite, by passes whose surfaces may have spread normals; what shades then
+// reckons with them.
+inline constexpr std::string_view kGbufferSpread = "gbuffer.spread";
 // Depth of what the sun sees first; see shaders/shared/shadow.h.
 inline constexpr std::string_view kShadowMap = "deferred.shadow_map";
 // RGBA16F, linear radiance of this sample; alpha 1. Made and written only if a pass that is on reads it

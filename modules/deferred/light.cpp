@@ -4,6 +4,7 @@
 #include "engine/gpu/state.h"
 #include "modules/deferred/lobe_table.h"
 #include "modules/deferred/state.h"
+#include "shaders/shared/spread.h"
 
 namespace scree {
 namespace {
@@ -12,45 +13,64 @@ gpu::Program lightProgram(std::vector<std::string> defines) {
   return fullScreenProgram("deferred.light", std::move(defines), "deferred/light.vert");
 }
 
+struct LightPrograms {
+  gpu::Program sky_only, sun, sun_and_shadows, sun_and_hard_shadows;
+};
+
 struct LightPass {
   explicit LightPass(ShadesInto target_in) : target(target_in) {}
 
   ShadesInto target;
-  // One program a situation, so that a scene does not pay for a sun or shadows that it lacks.
-  gpu::Program sky_only = lightProgram(shadedDefines(target));
-  gpu::Program sun = lightProgram(shadedDefines(target, {"SUN"}));
-  gpu::Program sun_and_shadows = lightProgram(shadedDefines(target, {"SUN", "SHADOWS"}));
-  gpu::Program sun_and_hard_shadows =
-      lightProgram(shadedDefines(target, {"SUN", "SHADOWS", "SHADOW_SINGLE_FETCH"}));
-  gpu::Texture lobe_table;
+  // One program a situation, so that a scene does not pay for a sun, shadows or spread normals that it lacks.
+  LightPrograms plain = programs({}), spread = programs({"GBUFFER_READ_SPREAD"});
+  gpu::Texture lobe_table, spread_lobe_tables;
 
+  LightPrograms programs(const std::vector<std::string>& more) const;
+  const gpu::Texture& lobes(bool spread);
   void draw(DeferredState& state, PassContext& context);
 };
 
-gpu::Texture uploadLobeTable() {
-  gpu::Texture texture("deferred.lobe_table", {.format = GL_RGBA32F,
-                                               .size = ivec2(rules::kLobeTableSize),
-                                               .sampling = {.filter = gpu::Filter::Linear}});
-  const std::vector<vec4> table = makeLobeTable();
-  texture.upload(std::span(&table[0].x, table.size() * 4), 4);
+LightPrograms LightPass::programs(const std::vector<std::string>& more) const {
+  const auto with = [&](std::vector<std::string> defines) {
+    defines.insert(defines.end(), more.begin(), more.end());
+    return lightProgram(shadedDefines(target, std::move(defines)));
+  };
+  return {with({}), with({"SUN"}), with({"SUN", "SHADOWS"}), with({"SUN", "SHADOWS", "SHADOW_SINGLE_FETCH"})};
+}
+
+const gpu::Texture& LightPass::lobes(bool of_spread) {
+  gpu::Texture& texture = of_spread ? spread_lobe_tables : lobe_table;
+  if (texture) return texture;
+  std::vector<vec4> texels = makeLobeTable();
+  if (of_spread) texels = makeSpreadLobeTables(texels);
+  texture = gpu::Texture(of_spread ? "deferred.spread_lobe_tables" : "deferred.lobe_table",
+                         {.format = GL_RGBA32F,
+                          .size = ivec2(rules::kLobeTableSize),
+                          .layers = of_spread ? rules::kSpreadSteps + 1 : 1,
+                          .kind = of_spread ? gpu::TextureKind::Array : gpu::TextureKind::Flat,
+                          .sampling = {.filter = gpu::Filter::Linear}});
+  const size_t layer = 4 * static_cast<size_t>(rules::kLobeTableSize) * rules::kLobeTableSize;
+  for (int k = 0; k < texture.desc().layers; ++k)
+    texture.upload(std::span(&texels[0].x, texels.size() * 4).subspan(static_cast<size_t>(k) * layer, layer), 4, 0, k);
   return texture;
 }
 
 void LightPass::draw(DeferredState& state, PassContext& context) {
-  if (!lobe_table) lobe_table = uploadLobeTable();
   const bool shadows = context.frame.hasContent(kShadowMap) &&
                        state.world.singleton<const ShadowView>().block.enabled > 0;
   const bool shining = state.world.singleton<const Sun>().present;
   const bool hard = state.shadow_settings.single_fetch;
-  gpu::Program& program = shadows ? (hard ? sun_and_hard_shadows : sun_and_shadows)
-                          : shining ? sun
-                                    : sky_only;
+  const bool normals_spread = context.frame.hasContent(kGbufferSpread);
+  LightPrograms& with = normals_spread ? spread : plain;
+  gpu::Program& program = shadows ? (hard ? with.sun_and_hard_shadows : with.sun_and_shadows)
+                          : shining ? with.sun
+                                    : with.sky_only;
   if (!program.use()) return;
   setExposure(state, target, program);
   context.frame.bindSampled(kGbufferAlbedo, rules::kGbufferAlbedoUnit);
   context.frame.bindSampled(kGbufferNormal, rules::kGbufferNormalUnit);
   context.frame.bindSampled(kGbufferEmissive, rules::kGbufferEmissiveUnit);
-  lobe_table.bind(rules::kLobeTableUnit);
+  lobes(normals_spread).bind(rules::kLobeTableUnit);
   if (shadows) {
     context.frame.bindSampled(kGbufferDepth, rules::kGbufferDepthUnit);
     context.frame.bindSampled(kShadowMap, rules::kShadowMapUnit);
@@ -66,7 +86,7 @@ PassDesc lightPass(const SharedState& state, ShadesInto target) {
   const auto pass = std::make_shared<LightPass>(target);
   PassDesc desc = shadePass(state, target, "light");
   desc.needs_content = {std::string(kGbufferId)};
-  for (const std::string_view read : {kGbufferAlbedo, kGbufferNormal, kGbufferEmissive, kGbufferDepth, kShadowMap})
+  for (const std::string_view read : {kGbufferAlbedo, kGbufferNormal, kGbufferEmissive, kGbufferDepth, kShadowMap, kGbufferSpread})
     desc.uses.push_back({std::string(read), Access::Sampled});
   desc.uses.push_back({std::string(kGbufferDepth), Access::DepthTest});
   desc.run = [state, pass](PassContext& context) { pass->draw(*state, context); };

@@ -2,9 +2,11 @@
 #include "modules/deferred/lobe_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/core/parallel.h"
+#include "shaders/shared/spread.h"
 
 namespace scree {
 namespace {
@@ -16,6 +18,38 @@ constexpr double kTwoPi = 6.283185307179586;
 // 1 + 2 Lambda of Smith's masking function for GGX.
 double smithRoot(double cosine, double alpha2) {
   return std::sqrt(1 + alpha2 * (1 - cosine * cosine) / (cosine * cosine));
+}
+
+// Midpoints over which a beta distribution of n.v is summed up, as far as it reaches.
+constexpr int kCosines = 64;
+
+rules::LobeTerms spreadLobe(std::span<const vec4> table, float n_v, float roughness, float spread) {
+  const double mean = std::clamp((1 - static_cast<double>(spread)) * static_cast<double>(n_v), 1e-4, 1 - 1e-6);
+  const double variance = std::max(static_cast<double>(rules::spreadVariance(n_v, spread)), 1e-12);
+  // No wider than one that falls from an end, or rises to it.
+  const double both = std::max({mean * (1 - mean) / variance - 1, 1 / mean, 1 / (1 - mean)});
+  const double up = mean * both - 1, down = (1 - mean) * both - 1;
+  const double reach = 5 * std::sqrt(mean * (1 - mean) / (both + 1));
+  const double low = std::max(mean - reach, 0.0), high = std::min(mean + reach, 1.0);
+  std::array<double, kCosines> weight;
+  const auto cosine = [&](int k) { return low + (high - low) * (k + 0.5) / kCosines; };
+  double most = -1e300;
+  for (int k = 0; k < kCosines; ++k) {
+    weight[static_cast<size_t>(k)] = up * std::log(cosine(k)) + down * std::log(1 - cosine(k));
+    most = std::max(most, weight[static_cast<size_t>(k)]);
+  }
+  double sum = 0, a = 0, b = 0;
+  for (int k = 0; k < kCosines; ++k) {
+    const double w = std::exp(weight[static_cast<size_t>(k)] - most);
+    const rules::LobeTerms t = sampleLobeTable(table, static_cast<float>(cosine(k)), roughness);
+    sum += w;
+    a += w * static_cast<double>(t.a);
+    b += w * static_cast<double>(t.b);
+  }
+  const float alpha = rules::alphaFromRoughness(roughness);
+  const rules::LobeTerms wide =
+      sampleLobeTable(table, n_v, std::sqrt(std::sqrt(rules::spreadAlpha2(alpha * alpha, spread))));
+  return {static_cast<float>(a / sum), static_cast<float>(b / sum), wide.tangent, wide.normal};
 }
 
 }  // namespace
@@ -80,15 +114,32 @@ std::vector<vec4> makeLobeTable() {
   return table;
 }
 
-rules::LobeTerms sampleLobeTable(const std::vector<vec4>& table, float n_v, float roughness) {
+rules::LobeTerms sampleLobeTable(std::span<const vec4> table, float n_v, float roughness) {
   const vec2 texel = rules::lobeTableUv(n_v, roughness) * static_cast<float>(kSize) - vec2(0.5f);
   const int x = std::clamp(static_cast<int>(texel.x), 0, kSize - 2);
   const int y = std::clamp(static_cast<int>(texel.y), 0, kSize - 2);
   const float fx = texel.x - x, fy = texel.y - y;
-  const vec4* row = &table[y * kSize + x];
+  const vec4* row = &table[static_cast<size_t>(y * kSize + x)];
   const vec4 v = (row[0] * (1 - fx) + row[1] * fx) * (1 - fy) +
                  (row[kSize] * (1 - fx) + row[kSize + 1] * fx) * fy;
   return {v.x, v.y, v.z, v.w};
+}
+
+std::vector<vec4> makeSpreadLobeTables(std::span<const vec4> table) {
+  std::vector<vec4> tables(table.begin(), table.end());
+  tables.resize(table.size() * (rules::kSpreadSteps + 1));
+  parallelChunks(rules::kSpreadSteps, 1, [&](size_t, size_t begin, size_t end) {
+    for (size_t step = begin + 1; step <= end; ++step) {
+      const float spread = rules::spreadFromCode(static_cast<int>(step));
+      for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x) {
+          const float root = static_cast<float>(x) / (kSize - 1), roughness = static_cast<float>(y) / (kSize - 1);
+          const rules::LobeTerms t = spreadLobe(table, std::max(root * root, 1e-4f), roughness, spread);
+          tables[step * table.size() + static_cast<size_t>(y * kSize + x)] = vec4(t.a, t.b, t.tangent, t.normal);
+        }
+    }
+  });
+  return tables;
 }
 
 }  // namespace scree

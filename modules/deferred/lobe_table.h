@@ -1,6 +1,7 @@
 // The table behind the sky's reflection: directional albedo and mean direction of the GGX lobe.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "engine/core/math.h"
@@ -18,7 +19,12 @@ rules::LobeTerms integrateLobe(double n_v, double alpha, int samples);
 // within 0.0006 in the root mean square.
 std::vector<vec4> makeLobeTable();
 
-// What a bilinear fetch of the table gives.
-rules::LobeTerms sampleLobeTable(const std::vector<vec4>& table, float n_v, float roughness);
+// What a bilinear fetch of a table gives; `texels`: kLobeTableSize^2 of them.
+rules::LobeTerms sampleLobeTable(std::span<const vec4> texels, float n_v, float roughness);
+
+// The same of surfaces whose normals are spread about the one that n_v is of (shared/spread.h): means of a and b over
+// them, of which n.v is taken to have a beta distribution; the mean direction of the lobe that they make together.
+// One table after another, of all steps of spread from 0 on.
+std::vector<vec4> makeSpreadLobeTables(std::span<const vec4> table);
 
 }  // namespace scree

@@ -3,7 +3,7 @@
 //   texture  format  holds
 //   shape    RG8     coverage | height over the centre along the view's axis, as a code
 //   color    RGBA8   square root of the linear base colour (shared/gbuffer.h) | metallic
-//   normal   RGBA8   unit normal in the grain's axes, as a code | perceptual roughness
+//   normal   RGBA8   mean of the unit normals in the grain's axes, as a code | perceptual roughness
 //
 // The codes are those of impostorHeightFromCode and impostorNormalFromCode.
 //
@@ -13,8 +13,8 @@
 //
 // Only coverage is 0 where nothing was seen. The other values are means over what was seen (not
 // multiplied by coverage: filter them as they are, weight the views with coverage), continued
-// outwards, so that no filter reads an undefined texel. The spread of the normals under a texel is
-// in its roughness (impostorSpread), not in the length of the normal.
+// outwards, so that no filter reads an undefined texel. The spread of the normals under a texel
+// (shared/spread.h) is in the length of their mean, 1 - kMostSpread at least.
 #pragma once
 
 #include <array>

@@ -120,6 +120,7 @@ void addImpostors(App& app) {
                .needs_content = {visible},
                .uses = gbufferUses({{visible, Access::Sampled},
                                     {std::string(kSwarmRoutes), Access::StorageRead},
+                                    {std::string(kGbufferSpread), Access::StorageWrite},
                                     {kTiles, Access::Indirect},
                                     {kTiles, Access::StorageWrite}}),
                .run = [impostors](PassContext& context) { impostors->resolve(context); }});

@@ -8,6 +8,7 @@
 
 #include "shaders/shared/brdf.h"
 #include "shaders/shared/gbuffer.h"
+#include "shaders/shared/spread.h"
 
 namespace scree::impostors {
 namespace {
@@ -81,8 +82,9 @@ class Look {
     s.albedo *= inverse;
     s.metallic *= inverse;
     s.roughness *= inverse;
-    const float length = glm::length(s.normal);
-    s.normal = length > 1e-6f ? s.normal / length : scene_.axis;
+    const float length = glm::length(s.normal) * inverse;
+    s.spread = std::clamp(1 - length, 0.0f, rules::kMostSpread);
+    s.normal = length > 1e-6f ? s.normal * (inverse / length) : scene_.axis;
     return s;
   }
 
@@ -126,20 +128,16 @@ vec2 pointOf(const Scene& scene, int x, int y, int samples_a_pixel) {
 }  // namespace
 
 vec3 litSurface(const Surface& s, const Scene& scene) {
-  constexpr float kLamp = 0.8f, kAmbient = 0.25f, kPi = 3.14159265f;
+  constexpr float kLamp = 0.8f, kAmbient = 0.25f;
   static const vec3 at = glm::normalize(vec3(-0.45f, 0.55f, 0.7f));
   const vec3 lamp = scene.right * at.x + scene.up * at.y + scene.axis * at.z;
-  const vec3 half = glm::normalize(lamp + scene.axis);
-  const float n_l = std::max(glm::dot(s.normal, lamp), 0.0f);
-  const float n_v = std::max(glm::dot(s.normal, scene.axis), 1e-2f);
-  const float n_h = std::clamp(glm::dot(s.normal, half), 0.0f, 1.0f);
-  const vec3 f0 = glm::mix(vec3(0.04f), s.albedo, s.metallic);
-  const vec3 diffuse = s.albedo * (1 - s.metallic);
-  vec3 out = (diffuse + f0) * kAmbient + diffuse * (kLamp * n_l);
-  if (n_l > 0)
-    out += f0 * (kLamp * kPi * n_l *
-                 rules::ggxDistributionVisibility(n_h, n_v, n_l,
-                                                  rules::alphaFromRoughness(s.roughness)));
+  const float n_v = std::clamp(glm::dot(s.normal, scene.axis), 1e-2f, 1.0f);
+  rules::Reflectance r{};
+  r.f0 = glm::mix(vec3(rules::kDielectricF0), s.albedo, s.metallic);
+  r.diffuse = s.albedo * (1 - s.metallic);
+  const rules::SpreadLook look = rules::spreadLook(s.normal, lamp, std::max(s.roughness, rules::kMinRoughness), s.spread);
+  const vec3 out = (r.diffuse + r.f0) * kAmbient +
+                   rules::reflectSpreadBeam(r, s.normal, scene.axis, lamp, n_v, look) * (kLamp * rules::kPi);
   return glm::min(out, vec3(1));
 }
 

@@ -8,6 +8,7 @@
 
 #include "shaders/shared/gbuffer.h"
 #include "shaders/shared/impostor.h"
+#include "shaders/shared/spread.h"
 
 namespace scree::impostors {
 namespace {
@@ -20,6 +21,14 @@ uint8_t unorm(float x) {
 // 1 to 255, 128 for 0; the inverse of impostorHeightFromCode.
 uint8_t centered(float x) {
   return static_cast<uint8_t>(std::clamp(x, -1.0f, 1.0f) * 127.0f + 128.5f);
+}
+
+// A mean of normals with the most spread that is kept; what has next to no direction takes that of `otherwise`.
+vec3 longEnough(const vec3& normal, const vec3& otherwise) {
+  const float least = 1 - rules::kMostSpread;
+  const float length = glm::length(normal);
+  if (length >= least) return normal;
+  return length > 1e-3f ? normal * (least / length) : otherwise * (least / glm::length(otherwise));
 }
 
 // Mean of the known neighbours of a texel; not known if there is none.
@@ -46,8 +55,7 @@ Texel aroundOf(std::span<const Texel> texels, int side, int x, int y) {
   mean.metallic *= share;
   mean.roughness *= share;
   mean.height *= share;
-  const float length = glm::length(mean.normal);
-  mean.normal = length > 1e-3f ? mean.normal * (1.0f / length) : last;
+  mean.normal = longEnough(mean.normal * share, last);
   mean.known = true;
   return mean;
 }
@@ -77,13 +85,10 @@ std::vector<TexelSum> halved(std::span<const TexelSum> sums, int side) {
 Texel meanOf(const TexelSum& sum, const vec3& axis) {
   if (!(sum.coverage > 0)) return {.normal = axis};
   const float inverse = 1.0f / sum.coverage;
-  const vec3 normal = sum.normal * inverse;
-  const float length = glm::length(normal);
-  const float alpha2 = rules::impostorSpread(sum.alpha2 * inverse, length);
   return {.albedo = sum.albedo * inverse,
           .metallic = sum.metallic * inverse,
-          .normal = length > 1e-3f ? normal * (1.0f / length) : axis,
-          .roughness = std::sqrt(std::sqrt(alpha2)),
+          .normal = longEnough(sum.normal * inverse, axis),
+          .roughness = std::sqrt(std::sqrt(sum.alpha2 * inverse)),
           .height = sum.height * inverse,
           .known = true};
 }

@@ -22,8 +22,8 @@ struct TexelSum {
 struct Texel {
   vec3 albedo{0.5f};
   float metallic = 0;
-  vec3 normal{0, 0, 1};  // unit
-  float roughness = 1;   // with the spread of the normals
+  vec3 normal{0, 0, 1};  // mean of unit ones, of a length of 1 - kMostSpread or more
+  float roughness = 1;   // without the spread of the normals
   float height = 0;
   bool known = false;  // something was seen there, or near
 };
@@ -31,7 +31,7 @@ struct Texel {
 // Half the side: means of two by two.
 std::vector<TexelSum> halved(std::span<const TexelSum> sums, int side);
 
-// Means of what was seen; normals that cancel give way to `axis`, with the broadest lobe.
+// Means of what was seen; normals that cancel give way to `axis`, with the most spread.
 Texel meanOf(const TexelSum& sum, const vec3& axis);
 
 // Continues known texels outwards: two rings from the neighbours, the rest from `coarser`, the

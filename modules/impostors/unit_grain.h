@@ -37,6 +37,7 @@ struct Surface {
   vec3 normal{0, 0, 1};  // unit, out of the side that is seen
   float roughness = 1;
   float metallic = 0;
+  float spread = 0;  // of normals, about `normal` (shared/spread.h)
 };
 // `b` and `c`: barycentric weights of corners 1 and 2; `flipped`: the back is seen.
 Surface surfaceAt(const UnitGrain& grain, const UnitTriangle& triangle, float b, float c,

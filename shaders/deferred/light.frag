@@ -1,5 +1,6 @@
 // Radiance of what the G-buffer holds: sun, sky and its own light.
-// Defines: SUN (there is one), SHADOWS (and a shadow map), DISPLAY (see lib/shaded.glsl).
+// Defines: SUN (there is one), SHADOWS (and a shadow map), DISPLAY (see lib/shaded.glsl), GBUFFER_READ_SPREAD
+// (normals may be spread).
 #define GBUFFER_READ
 #include "lib/gbuffer.glsl"
 #include "lib/shaded.glsl"
@@ -7,7 +8,11 @@
 #include "shared/brdf.h"
 #include "shared/lighting.h"
 
+#ifdef GBUFFER_READ_SPREAD
+layout(binding = kLobeTableUnit) uniform sampler2DArray lobe_table;  // a layer a step of spread
+#else
 layout(binding = kLobeTableUnit) uniform sampler2D lobe_table;
+#endif
 
 in vec3 ray;
 flat in LightingBlock lit;
@@ -39,13 +44,26 @@ void main() {
   float n_v = clamp(dot(n, v), 1e-4, 1.0);
   float roughness = max(s.roughness, kMinRoughness);
 
+  vec3 to_sun = lit.to_sun.xyz;
+#ifdef GBUFFER_READ_SPREAD
+  SpreadLook look = spreadLook(n, to_sun, roughness, s.spread);
+  vec4 t = textureLod(lobe_table, vec3(lobeTableUv(n_v, roughness), float(spreadCode(s.spread))), 0.0);
+  roughness = look.roughness;
+  vec2 height = look.height;
+#else
   vec4 t = textureLod(lobe_table, lobeTableUv(n_v, roughness), 0.0);
+  vec2 height = vec2(n.y, n.y * n.y);
+#endif
   LobeTerms lobe = LobeTerms(t.x, t.y, t.z, t.w);
   Reflectance r = reflectance(s.albedo, s.metallic, lobe.a, lobe.b);
-  vec3 sum = s.emissive + reflectSky(lit.sky, r, lobe, n, v, n_v, roughness);
+  vec3 sum = s.emissive + reflectSky(lit.sky, r, lobe, n, v, n_v, roughness, height);
 #ifdef SUN
-  vec3 beam = reflectBeam(r, n, v, lit.to_sun.xyz, n_v, alphaFromRoughness(roughness)) *
-              lit.sun_irradiance.rgb;
+#ifdef GBUFFER_READ_SPREAD
+  vec3 beam = reflectSpreadBeam(r, n, v, to_sun, n_v, look);
+#else
+  vec3 beam = reflectBeam(r, n, v, to_sun, dot(n, to_sun), n_v, alphaFromRoughness(roughness));
+#endif
+  beam *= lit.sun_irradiance.rgb;
 #ifdef SHADOWS
   vec3 position = ray * distanceFromDepth(near_m, gbufferDepth(pixel));
   beam *= sunVisibility(shadowView(), position, n);

@@ -66,6 +66,7 @@ void main() {
   // The rasteriser sees a mirrored mesh's triangles wound the other way round.
   if (gl_FrontFacing == (mirrored != 0u)) n = -n;
 #endif
+  s.spread = 0.0;
   s.normal_ws = n;
 #ifdef MOTION
   s.motion_px = motionFromPrevious(previous_clip, gl_FragCoord.z);

@@ -32,6 +32,7 @@ void main() {
   Surface s;
   s.albedo = unpackGrainColor(grain.color) * grainPattern(local, contrast);
   s.metallic = 0.0;
+  s.spread = 0.0;
   s.normal_ws = hit.normal;
   s.roughness = unpackGrainRoughness(grain.color);
   s.motion_px = motion_px;

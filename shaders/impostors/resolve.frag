@@ -41,7 +41,8 @@ void main() {
     vec3 at = vec3(impostorUv(seen, axis[k], atlas.extent), float(layer[k]));
     vec2 shape = textureLod(atlas_shape, at, shape_level).rg;
     float w = max(views.weight[k] * shape.r, 1e-6);
-    color += w * textureLod(atlas_color, at, level);
+    vec4 c = textureLod(atlas_color, at, level);
+    color += w * vec4(albedoFromCode(c.rgb), c.a);
     vec4 n = textureLod(atlas_normal, at, level);
     normal += w * vec4(impostorNormalFromCode(n.xyz), n.w);
     vec3 there = impostorStep(local, seen, axis[k], impostorHeightFromCode(shape.g));
@@ -59,10 +60,10 @@ void main() {
   gl_FragDepth = view.near_m / along;
 
   Surface s;
-  vec3 albedo = color.rgb * share;
-  s.albedo = albedo * albedo * tintOf(record.look);
+  s.albedo = color.rgb * share * tintOf(record.look);
   s.metallic = color.a * share;
   s.normal_ws = rotateBy(rotation, normal.xyz);
+  s.spread = 1.0 - length(normal.xyz) * share;
   s.roughness = normal.w * share * roughnessOf(record.look);
 #ifdef MOTION
   vec3 previous = ray * along - swarm.origin.xyz + swarm.previous_origin.xyz;

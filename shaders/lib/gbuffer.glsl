@@ -14,7 +14,8 @@ struct Surface {
   vec3 albedo;       // base colour, linear, [0, 1]
   float metallic;    // [0, 1]
   vec3 normal_ws;    // towards the viewer's side of the surface; any length
-  float roughness;   // perceptual, [0, 1]
+  float roughness;   // perceptual, [0, 1]; without what spread adds
+  float spread;      // of the normals under the pixel, shared/spread.h; not 0: the pass writes gbuffer.spread
   vec3 emissive;     // radiance, >= 0; written by EMISSION only
   vec2 motion_px;    // motionFromPrevious()
   uint id;           // entity index + 1
@@ -35,13 +36,21 @@ layout(binding = kGbufferIdUnit) uniform usampler2D gbuffer_id;
 float gbufferDepth(ivec2 pixel) { return texelFetch(gbuffer_depth, pixel, 0).r; }
 
 // Motion and id are zero unless GBUFFER_READ_MOTION, GBUFFER_READ_ID are defined: what is not
-// needed is not fetched, and its sampler need not be bound.
+// needed is not fetched, and its sampler need not be bound. GBUFFER_READ_SPREAD: some surface may have
+// a spread.
 Surface readGbuffer(ivec2 pixel) {
   vec4 albedo = texelFetch(gbuffer_albedo, pixel, 0);
   vec4 normal = texelFetch(gbuffer_normal, pixel, 0);
   Surface s;
   s.albedo = albedoFromCode(albedo.rgb);
-  s.metallic = albedo.a;
+#ifdef GBUFFER_READ_SPREAD
+  MetallicSpread code = metallicSpreadFromCode(albedo.a);
+  s.metallic = code.metallic;
+  s.spread = spreadFromCode(code.spread);
+#else
+  s.metallic = metallicFromCode(albedo.a);
+  s.spread = 0.0;
+#endif
   s.normal_ws = octDecode(octUnpack24(normal.rgb));
   s.roughness = normal.a;
   s.emissive = texelFetch(gbuffer_emissive, pixel, 0).rgb;
@@ -74,7 +83,7 @@ vec2 motionFromPrevious(vec3 previous_clip, float depth) {
 
 // Writes the color targets. Values out of range are clamped, so that no later pass meets a NaN.
 void writeGbuffer(Surface s) {
-  gbuffer_albedo = vec4(albedoCode(s.albedo), clamp(s.metallic, 0.0, 1.0));
+  gbuffer_albedo = vec4(albedoCode(s.albedo), metallicSpreadCode(s.metallic, s.spread));
   gbuffer_normal = vec4(octPack24(octEncode(s.normal_ws)), clamp(s.roughness, 0.0, 1.0));
   gbuffer_motion = s.motion_px;
   gbuffer_id = s.id;

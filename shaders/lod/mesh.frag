@@ -28,6 +28,7 @@ void main() {
   Surface s;
   s.albedo = base_color.rgb * texture(base_color_map, uv_out).rgb * tintOf(look);
   s.metallic = roughness_metallic.y * map.y;
+  s.spread = 0.0;
   s.normal_ws = double_sided && !gl_FrontFacing ? -normal_ws : normal_ws;
   s.roughness = roughness_metallic.x * map.x * roughnessOf(look);
 #ifdef MOTION

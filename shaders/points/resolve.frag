@@ -99,6 +99,7 @@ void main() {
   vec3 shares = bedShares(bedSteepness(dot(to_eye, up), lone ? 0.0 : kBedPacking * min(area, 1.0)));
   float base = dot(s.albedo, kLuminance);
   BedSurface flat_surface = bedSurface(to_eye, to_sun, up, shares, base, mix(kDielectricF0, base, look.y), look.x, look.y, sky);
+  s.spread = 0.0;
   s.normal_ws = flat_surface.normal;
   s.albedo = clamp(s.albedo * flat_surface.share + flat_surface.white, 0.0, 1.0);
   s.roughness = bedRoughness(look.x, look.y);

@@ -5,6 +5,7 @@
 // its normal makes up for the sun. Luminances; the sky's is linear.x + linear.y y + linear.z y^2.
 #pragma once
 #include "shared/bed.h"
+#include "shared/spread.h"
 RULES_BEGIN
 
 // The flat surface's roughness: of metal, whose gloss is all that it reflects, the balls' own if it is more than
@@ -14,13 +15,7 @@ RULE float bedRoughness(float roughness, float metallic) {
   return metallic * max(roughness, kBedLeastRoughness) + (1.0f - metallic);
 }
 
-// Means over the near side of a ball of the two parts of a GGX lobe's albedo: of what does not depend on the angle,
-// and of Schlick's weight. Fitted to modules/deferred/lobe_table: within 0.006 and 0.001.
-RULE vec2 ballAlbedo(float roughness) {
-  float r2 = roughness * roughness, r4 = r2 * r2;
-  return vec2(0.952f / (1.0f + r4 * (1.7f - 0.36f * r2)), (1.0f / 21.0f) / (1.0f + r2 * roughness * (12.2f + 4.0f * r4)));
-}
-// The same of a flat surface of roughness 1: within 0.01 and 0.005.
+// What ballAlbedo (shared/spread.h) is, of a flat surface of roughness 1: within 0.01 and 0.005.
 RULE vec2 matteAlbedo(float n_v) {
   float q = 1.0f - sqrt(n_v);
   return vec2(0.307f + q * (0.41f + 0.32f * q), 0.046f * q * q);

@@ -11,6 +11,7 @@
 #pragma once
 #include "shared/prelude.h"
 #include "shared/sky.h"
+#include "shared/spread.h"
 RULES_BEGIN
 
 const float kPi = 3.14159265358979f;
@@ -74,19 +75,34 @@ RULE Reflectance reflectance(vec3 base_color, float metallic, float a, float b) 
 }
 
 // Radiance per irradiance measured across the beam: f (n.l). Zero when the light is below the
-// horizon.
-RULE vec3 reflectBeam(Reflectance r, vec3 n, vec3 v, vec3 l, float n_v, float alpha) {
-  float n_l = dot(n, l);
+// horizon. `n_l`: dot(n, l), or what spread normals make of it (shared/spread.h).
+RULE vec3 reflectBeam(Reflectance r, vec3 n, vec3 v, vec3 l, float n_l, float n_v, float alpha) {
   if (!(n_l > 0.0f)) return vec3(0.0f, 0.0f, 0.0f);
   vec3 h = l + v;
   float h2 = max(dot(h, h), 1e-12f);  // l = -v: no half vector; n.l > 0 then needs n.v < 0
   float h_inverse = 1.0f / sqrt(h2);
-  float n_h = clamp((n_l + dot(n, v)) * h_inverse, 0.0f, 1.0f);
+  float n_h = clamp((dot(n, l) + dot(n, v)) * h_inverse, 0.0f, 1.0f);
   float v_h = 0.5f * h2 * h_inverse;
   float w = schlickWeight(v_h);
   vec3 f = r.f0 * (1.0f - w) + vec3(w, w, w);
   float dv = ggxDistributionVisibility(n_h, n_v, n_l, alpha);
   return (f * dv + r.diffuse * (1.0f / kPi)) * n_l;
+}
+
+// The same of a surface of many normals (shared/spread.h). Its own shadow on itself is known of microfacets, not of
+// the normals under a pixel: grains are round, and whatever of them is turned half way from the eye to the light is
+// lit. So the share of the lobe that is due to these is masked towards the eye alone.
+RULE vec3 reflectSpreadBeam(Reflectance r, vec3 n, vec3 v, vec3 l, float n_v, SpreadLook look) {
+  vec3 h = l + v;
+  float h2 = max(dot(h, h), 1e-12f), h_inverse = 1.0f / sqrt(h2);
+  float n_h = clamp((dot(n, l) + dot(n, v)) * h_inverse, 0.0f, 1.0f);
+  float w = schlickWeight(0.5f * h2 * h_inverse), a2 = look.alpha * look.alpha, n_l = look.n_l;
+  float d = (n_h * a2 - n_h) * n_h + 1.0f, seen = sqrt(n_v * n_v * (1.0f - a2) + a2);
+  float facets = n_l / max(n_l * seen + n_v * sqrt(n_l * n_l * (1.0f - a2) + a2), 1e-12f) * (1.0f - look.sides);
+  float sides = look.sides / (n_v + seen);
+  vec3 even = r.f0 * ((1.0f - w) * (facets + sides * look.kept.x));
+  float edge = w * (facets + sides * look.kept.y);
+  return (even + vec3(edge, edge, edge)) * (a2 * 0.5f / (kPi * d * d)) + r.diffuse * (n_l * (1.0f / kPi));
 }
 
 // The lobe table: what D V F does to the sky, by n.v (along x) and roughness (along y).
@@ -110,13 +126,13 @@ RULE vec2 lobeTableUv(float n_v, float roughness) {
 
 // Radiance towards v of a surface under the whole sky: split sum (Karis 2013) with the lobe's true
 // mean direction in place of the mirror direction, which makes it exact for what is linear in the
-// sky; the order-2 part is narrowed by a factor fitted to the GGX lobe (within 0.06).
+// sky; the order-2 part is narrowed by a factor fitted to the GGX lobe (within 0.06). `height`: n.y and its square.
 RULE vec3 reflectSky(SkyPolynomial sky, Reflectance r, LobeTerms lobe, vec3 n, vec3 v, float n_v,
-                     float roughness) {
+                     float roughness, vec2 height) {
   vec3 mean = (n * n_v - v) * lobe.tangent + n * lobe.normal;
   float s1 = sqrt(dot(mean, mean));
   float k = 1.0f - 1.5f * roughness * max(1.0f - s1, 0.0f);
-  return r.single * skyLobeRadiance(sky, mean, k) + r.diffuse * skyIrradianceOverPi(sky, n.y);
+  return r.single * skyLobeRadiance(sky, mean, k) + r.diffuse * skyIrradianceOverPi(sky, height.x, height.y);
 }
 
 RULES_END

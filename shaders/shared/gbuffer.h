@@ -1,8 +1,9 @@
 // What the G-buffer holds: rules that turn a surface into the values of its targets.
 //
 //   target            format          holds
-//   gbuffer.albedo    RGBA8           square root of the linear base colour | metallic
-//   gbuffer.normal    RGBA8           world normal, octahedral 12 + 12 bits | perceptual roughness
+//   gbuffer.albedo    RGBA8           square root of the linear base colour | metallic and spread of normals
+//   gbuffer.normal    RGBA8           world normal, octahedral 12 + 12 bits | perceptual roughness of what has one
+//                                     normal
 //   gbuffer.emissive  R11F_G11F_B10F  emitted radiance
 //   gbuffer.motion    RG16F           where the point is on the screen now, minus where it was one
 //                                     frame ago, pixels, +x right, +y up, without jitter
@@ -13,6 +14,7 @@
 // only depth, id and emissive (0) are defined.
 #pragma once
 #include "shared/prelude.h"
+#include "shared/spread.h"
 RULES_BEGIN
 
 // Longer motion is cut to this length, direction kept. Half a pixel of resolution in RG16F there.
@@ -27,6 +29,31 @@ const float kMaxRadiance = 65000.0f;
 // 1e-3, visible in dark colours).
 RULE vec3 albedoCode(vec3 linear) { return sqrt(clamp(linear, 0.0f, 1.0f)); }
 RULE vec3 albedoFromCode(vec3 code) { return code * code; }
+
+// Metallic and spread (shared/spread.h) as stored, in [0, 1] of 8 bits, and back. Surfaces of one normal keep
+// metallic in 128 steps, others in 8: nearly all are wholly of metal or not at all.
+const float kMetallicSteps = 127.0f;
+const float kSpreadMetallicSteps = 7.0f;
+RULE float metallicSpreadCode(float metallic, float spread) {
+  int steps = spreadCode(spread);
+  float m = clamp(metallic, 0.0f, 1.0f);
+  float first = kMetallicSteps + 1.0f + float(steps - 1) * (kSpreadMetallicSteps + 1.0f);
+  float code = steps == 0 ? floor(m * kMetallicSteps + 0.5f) : first + floor(m * kSpreadMetallicSteps + 0.5f);
+  return code * (1.0f / 255.0f);
+}
+RULE float metallicFromCode(float code) { return code * (255.0f / kMetallicSteps); }  // of one normal
+struct MetallicSpread {
+  float metallic;
+  int spread;  // spreadFromCode()
+};
+RULE MetallicSpread metallicSpreadFromCode(float code) {
+  int stored = int(code * 255.0f + 0.5f), beyond = stored - int(kMetallicSteps) - 1;
+  bool spread = beyond >= 0;
+  MetallicSpread s;
+  s.metallic = spread ? float(beyond & int(kSpreadMetallicSteps)) * (1.0f / kSpreadMetallicSteps) : metallicFromCode(code);
+  s.spread = spread ? beyond / (int(kSpreadMetallicSteps) + 1) + 1 : 0;
+  return s;
+}
 
 // Motion of a point at pixel `now_px` (of the picture without jitter) and distance `now_w` along the view axis,
 // that one frame ago was at `previous_clip` (x, y, w of clip space, without jitter). Where the point

@@ -218,16 +218,4 @@ RULE vec3 impostorNormalFromCode(vec3 code) {
   return (code * 255.0f - vec3(128.0f, 128.0f, 128.0f)) * (1.0f / 127.0f);
 }
 
-// Squared GGX width (alpha^2) of a surface whose mean alpha^2 is given and whose unit normals have a
-// mean of this length. Variances of slopes add (LEAN mapping, Olano and Baker 2010), and a lobe's
-// alpha^2 is twice its variance. Normals of Gaussian slopes with a = twice the variance have a mean
-// of length sqrt(pi / a) exp(1 / a) erfc(1 / sqrt(a)), whose inverse is (1 - l^2) / l^3 within 3 % up
-// to a = 1. (Toksvig's 2 (1 - l) / l is 13 % short at a = 0.2, 36 % at 1.)
-RULE float impostorSpread(float alpha2, float mean_length) {
-  float l = clamp(mean_length, 0.0f, 1.0f);
-  float room = l * l * l;
-  float excess = 1.0f - l * l;
-  return excess >= room ? 1.0f : min(alpha2 + excess / room, 1.0f);
-}
-
 RULES_END

@@ -28,11 +28,12 @@ RULE vec3 skyRadiance(SkyPolynomial sky, float y) {
   return max(vec3(sky.a) + (vec3(sky.b) + vec3(sky.c) * y) * y, vec3(0.0f, 0.0f, 0.0f));
 }
 
-// Irradiance / pi on a surface with normal n, n.y = y: the radiance of a white Lambertian surface.
+// Irradiance / pi on a surface with normal n, n.y = y: the radiance of a white Lambertian surface. Of a surface with
+// many normals: their mean of y, and of y^2.
 // Integral of L(d) (n.d) over the hemisphere of n, over pi: the cosine lobe scales the Legendre
 // terms of order 0, 1, 2 by 1, 2/3, 1/4 (Ramamoorthi & Hanrahan 2001).
-RULE vec3 skyIrradianceOverPi(SkyPolynomial sky, float y) {
-  return max(vec3(sky.a) + vec3(sky.b) * (y * (2.0f / 3.0f)) + vec3(sky.c) * (0.25f + 0.25f * y * y),
+RULE vec3 skyIrradianceOverPi(SkyPolynomial sky, float y, float y2) {
+  return max(vec3(sky.a) + vec3(sky.b) * (y * (2.0f / 3.0f)) + vec3(sky.c) * (0.25f + 0.25f * y2),
              vec3(0.0f, 0.0f, 0.0f));
 }
 

@@ -40,7 +40,7 @@ void addRasterImpostors(HeapScene& scene, const Heap& heap, const std::filesyste
   sprites->count = static_cast<int>(records.size());
   scene.app.addPass({.name = "bench.sprites",
                      .stage = Stage::Geometry,
-                     .uses = gbufferUses(),
+                     .uses = gbufferUses({{std::string(kGbufferSpread), Access::StorageWrite}}),
                      .run = [&scene, sprites, radius = heap.bean_radius](PassContext&) {
                        if (!sprites->program.use()) return;
                        rules::SwarmBlock block{};

@@ -34,7 +34,7 @@ struct Pixels {
     return rules::octDecode(rules::octUnpack24(vec3(normal[4 * i], normal[4 * i + 1], normal[4 * i + 2]) / 255.0f));
   }
   float roughnessAt(size_t i) const { return static_cast<float>(normal[4 * i + 3]) / 255; }
-  float metallicAt(size_t i) const { return static_cast<float>(albedo[4 * i + 3]) / 255; }
+  float metallicAt(size_t i) const { return rules::metallicFromCode(static_cast<float>(albedo[4 * i + 3]) / 255); }
 };
 
 double angle(dvec3 a, dvec3 b) { return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)); }
@@ -69,7 +69,7 @@ TEST_F(Gbuffer, SheetIsExactAtEveryPixel) {
       EXPECT_EQ(p.normalAt(i), vec3(0, 1, 0));
       for (int k = 0; k < 3; ++k)
         EXPECT_NEAR(p.albedo[4 * i + static_cast<size_t>(k)], 255 * std::sqrt(m.base_color[k]), 0.51);
-      EXPECT_NEAR(p.metallicAt(i), 0.6, 0.51 / 255);
+      EXPECT_NEAR(p.metallicAt(i), 0.6, 0.51 / 127);
       EXPECT_NEAR(p.roughnessAt(i), 0.37, 0.51 / 255);
       EXPECT_NEAR(p.emissive[3 * i], 2, 2.0 / 64);
       EXPECT_NEAR(p.emissive[3 * i + 1], 0.5, 0.5 / 64);
@@ -164,7 +164,7 @@ TEST_F(Gbuffer, MapsMultiplyFactorsInTheirChannels) {
   EXPECT_NEAR(p.albedo[4 * i + 1], 255 * std::sqrt(0.5), 1);
   EXPECT_NEAR(p.albedo[4 * i + 2], code(55), 1);
   EXPECT_NEAR(p.roughnessAt(i), 0.9 * 128 / 255, 0.004);
-  EXPECT_NEAR(p.metallicAt(i), 0.8 * 64 / 255, 0.004);
+  EXPECT_NEAR(p.metallicAt(i), 0.8 * 64 / 255, 0.51 / 127);
   EXPECT_NEAR(p.emissive[3 * i], 4, 0.07);
   EXPECT_EQ(p.emissive[3 * i + 1], 0);
   EXPECT_NEAR(p.emissive[3 * i + 2], 4 * rules::linearFromSrgb(188 / 255.0f), 0.07);

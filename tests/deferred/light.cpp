@@ -70,10 +70,10 @@ TEST_F(DeferredLight, FollowsTheRulesAtEveryPixel) {
         const vec3 v(-ray.direction);
         const float n_v = glm::clamp(glm::dot(n, v), 1e-4f, 1.0f), roughness = std::max(byte(normal, 3), rules::kMinRoughness);
         const auto lobe = sampleLobeTable(table, n_v, roughness);
-        const auto r = rules::reflectance(base, byte(albedo, 3), lobe.a, lobe.b);
+        const auto r = rules::reflectance(base, rules::metallicFromCode(byte(albedo, 3)), lobe.a, lobe.b);
         expected = vec3(emissive[3 * i], emissive[3 * i + 1], emissive[3 * i + 2]) +
-                   rules::reflectSky(polynomial, r, lobe, n, v, n_v, roughness) +
-                   rules::reflectBeam(r, n, v, sun.to_sun, n_v, rules::alphaFromRoughness(roughness)) * sun.irradiance;
+                   rules::reflectSky(polynomial, r, lobe, n, v, n_v, roughness, vec2(n.y, n.y * n.y)) +
+                   rules::reflectBeam(r, n, v, sun.to_sun, glm::dot(n, sun.to_sun), n_v, rules::alphaFromRoughness(roughness)) * sun.irradiance;
         expected = glm::min(expected, vec3(rules::kMaxRadiance));
         ++lit;
       }

@@ -81,7 +81,7 @@ TEST(Sky, IrradianceIsTheIntegral) {
           sum += skyReference(s, frame * direction(z, 2 * kPi * (j + 0.5) / kSectors)) * z;
         }
       const dvec3 expected = sum * (2.0 / (kRings * kSectors));  // dw = dz dphi, over pi
-      const dvec3 got(rules::skyIrradianceOverPi(polynomial(s), static_cast<float>(n.y)));
+      const dvec3 got(rules::skyIrradianceOverPi(polynomial(s), static_cast<float>(n.y), static_cast<float>(n.y * n.y)));
       EXPECT_LT(maxOf(got - expected), 2e-5) << "n.y " << n.y;
     }
 }
@@ -263,7 +263,7 @@ TEST(Brdf, BeamsSumToTheDirectionalAlbedo) {
         overLobe(n_v, alpha, kSide, [&](dvec3 l, double, double weight) {
           const dvec3 h = glm::normalize(l + v);
           const double dv = Ggx{alpha}.dv(h.z, n_v, l.z) * l.z;
-          const vec3 f = rules::reflectBeam(specular, vec3(0, 0, 1), vec3(v), vec3(l), static_cast<float>(n_v), alpha);
+          const vec3 f = rules::reflectBeam(specular, vec3(0, 0, 1), vec3(v), vec3(l), static_cast<float>(l.z), static_cast<float>(n_v), alpha);
           sum += dvec3(f) * (weight / dv);
         });
         for (int i = 0; i < kSide; ++i)
@@ -280,10 +280,10 @@ TEST(Brdf, BeamIsFiniteAndZeroBelowTheHorizon) {
     const vec3 n(randomDirection(6, i, 0)), v(randomDirection(6, i, 2)), l(randomDirection(6, i, 4));
     const rules::Reflectance r = rules::reflectance(vec3(1), 1, 0.5f, 0.1f);
     const float n_v = glm::clamp(glm::dot(n, v), 1e-4f, 1.0f);
-    const vec3 f = rules::reflectBeam(r, n, v, l, n_v, rules::alphaFromRoughness(0));
+    const vec3 f = rules::reflectBeam(r, n, v, l, glm::dot(n, l), n_v, rules::alphaFromRoughness(0));
     EXPECT_TRUE(std::isfinite(f.x) && f.x >= 0);
     EXPECT_TRUE(glm::dot(n, l) > 0 || f == vec3(0));
-    const vec3 opposite = rules::reflectBeam(r, n, v, -v, n_v, rules::alphaFromRoughness(0));
+    const vec3 opposite = rules::reflectBeam(r, n, v, -v, -glm::dot(n, v), n_v, rules::alphaFromRoughness(0));
     EXPECT_TRUE(std::isfinite(opposite.x));
   }
 }
@@ -311,7 +311,7 @@ TEST(Brdf, SkyReflectionIsTheIntegral) {
     rules::Reflectance r{};
     r.single = vec3(1);
     const dvec3 v = frame * direction(n_v, 0);
-    const dvec3 got(rules::reflectSky(polynomial(sky), r, terms, vec3(n), vec3(v), static_cast<float>(n_v), roughness));
+    const dvec3 got(rules::reflectSky(polynomial(sky), r, terms, vec3(n), vec3(v), static_cast<float>(n_v), roughness, vec2(n.y, n.y * n.y)));
     const dvec3 mirror = skyReference(sky, 2 * n_v * n - v);
     const double error = maxOf(got - expected), mirror_error = maxOf(mirror - expected);
     worst = std::max(worst, error);

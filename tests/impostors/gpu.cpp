@@ -9,6 +9,7 @@
 #include "engine/gpu/program.h"
 #include "engine/gpu/readback.h"
 #include "shaders/shared/impostor.h"
+#include "shaders/shared/spread.h"
 #include "tests/support/gl_fixture.h"
 #include "tests/support/gl_shader_folder.h"
 
@@ -47,7 +48,7 @@ std::vector<float> expected(vec3 d, int n) {
   const vec2 mixed = impostorUv(impostorMixed(ray, v.axis0, 0.8f), v.axis0, impostorExtent(64));
   out.push_back(mixed.x);
   out.push_back(mixed.y);
-  out.push_back(impostorSpread(0.01f, abs(d.x)));
+  out.push_back(spreadAlpha2(0.01f, abs(d.x)));
   out.push_back(
       static_cast<float>(impostorLevel(128, 3.0f + 60.0f * abs(d.y), kImpostorShapeBias)));
   out.resize(kFloats, 0);
@@ -55,6 +56,7 @@ std::vector<float> expected(vec3 d, int n) {
 }
 
 constexpr const char* kProgram = R"(#include "shared/impostor.h"
+#include "shared/spread.h"
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer In { vec4 cases[]; };
 layout(std430, binding = 1) buffer Out { float values[]; };
@@ -87,7 +89,7 @@ void main() {
   put(uv.x); put(uv.y);
   vec2 mixed = impostorUv(impostorMixed(ray, v.axis0, 0.8), v.axis0, impostorExtent(64));
   put(mixed.x); put(mixed.y);
-  put(impostorSpread(0.01, abs(d.x)));
+  put(spreadAlpha2(0.01, abs(d.x)));
   put(float(impostorLevel(128, 3.0 + 60.0 * abs(d.y), kImpostorShapeBias)));
 }
 )";

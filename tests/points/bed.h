@@ -127,8 +127,8 @@ struct SeenByRays {
       const float n_v = glm::clamp(glm::dot(hit.normal, hit.to_eye), 1e-4f, 1.0f);
       const rules::LobeTerms lobe = sampleLobeTable(table, n_v, roughness);
       const rules::Reflectance r = rules::reflectance(hit.tint, metallic, lobe.a, lobe.b);
-      vec3 light = rules::reflectSky(polynomial, r, lobe, hit.normal, hit.to_eye, n_v, roughness);
-      if (lux > 0) light += lux * rules::reflectBeam(r, hit.normal, hit.to_eye, to_sun, n_v, rules::alphaFromRoughness(roughness));
+      vec3 light = rules::reflectSky(polynomial, r, lobe, hit.normal, hit.to_eye, n_v, roughness, vec2(hit.normal.y, hit.normal.y * hit.normal.y));
+      if (lux > 0) light += lux * rules::reflectBeam(r, hit.normal, hit.to_eye, to_sun, glm::dot(hit.normal, to_sun), n_v, rules::alphaFromRoughness(roughness));
       sum += luminanceOf(light);
       ++count;
     }

@@ -28,16 +28,17 @@ void main() {
   for (int k = 0; k < 3; ++k) {
     vec3 at = vec3(impostorUv(seen, axis[k], atlas.extent), float(layer[k]));
     float w = weight[k] * textureLod(atlas_shape, at, levels.x).r;
-    color += w * textureLod(atlas_color, at, levels.y);
+    vec4 c = textureLod(atlas_color, at, levels.y);
+    color += w * vec4(albedoFromCode(c.rgb), c.a);
     vec4 n = textureLod(atlas_normal, at, levels.y);
     normal += w * vec4(impostorNormalFromCode(n.xyz), n.w);
     coverage += w;
   }
   if (coverage < 0.5) discard;
   Surface s;
-  vec3 albedo = color.rgb / coverage;
-  s.albedo = albedo * albedo * tintOf(look);
+  s.albedo = color.rgb / coverage * tintOf(look);
   s.metallic = color.a / coverage;
+  s.spread = 1.0 - length(normal.xyz) / coverage;
   s.normal_ws = rotateBy(rotation, normal.xyz);
   s.roughness = normal.w / coverage * roughnessOf(look);
   s.motion_px = vec2(0.0);
