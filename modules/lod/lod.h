@@ -57,6 +57,7 @@ struct GrainShape {
   vec3 albedo{1};                        // mean over its surface, linear
   float roughness = 1, metallic = 0;     // likewise
   float cast_share = 1;                  // radius of a ball with the mean shadow of the mesh / outer radius
+  float facing = 1;                      // mean cosine between a face and the normals that it is shaded by
   // How far the outline of a disc of that radius is off at most, in outer radii. If nobody knows better: the mean distance
   // of a disc's points from its centre.
   float point_outline = 2.0f / 3;

@@ -38,7 +38,7 @@ constexpr int kSamples = kSteps * (kSteps + 1) / 2;
 
 struct Means {
   dvec3 albedo{0};
-  double roughness = 0, metallic = 0, weight = 0;
+  double roughness = 0, metallic = 0, facing = 0, weight = 0;
 };
 
 void addPart(const MaterialStore& materials, const MeshData& mesh, Means& means) {
@@ -46,7 +46,10 @@ void addPart(const MaterialStore& materials, const MeshData& mesh, Means& means)
   for (size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
     const Vertex &a = mesh.vertices[mesh.indices[k]], &b = mesh.vertices[mesh.indices[k + 1]],
                  &c = mesh.vertices[mesh.indices[k + 2]];
-    const double area = 0.5 * static_cast<double>(glm::length(glm::cross(b.position - a.position, c.position - a.position)));
+    const vec3 across = glm::cross(b.position - a.position, c.position - a.position);
+    const float twice = glm::length(across);
+    const double area = 0.5 * static_cast<double>(twice);
+    if (!(area > 0)) continue;
     for (int i = 0; i < kSteps; ++i)
       for (int j = 0; j < kSteps - i; ++j) {
         const float u = (static_cast<float>(i) + 1.0f / 3) / kSteps, v = (static_cast<float>(j) + 1.0f / 3) / kSteps;
@@ -56,6 +59,9 @@ void addPart(const MaterialStore& materials, const MeshData& mesh, Means& means)
                                      texelOf(materials, material.base_color_map.image, uv, vec3(1)));
         means.roughness += area * static_cast<double>(material.roughness * surface.y);
         means.metallic += area * static_cast<double>(material.metallic * surface.z);
+        const vec3 normal = a.normal + (b.normal - a.normal) * u + (c.normal - a.normal) * v;
+        const float cosine = glm::dot(normal, across) / (glm::length(normal) * twice);
+        means.facing += area * static_cast<double>(std::isfinite(cosine) ? std::clamp(cosine, 0.0f, 1.0f) : 1.0f);
         means.weight += area;
       }
   }
@@ -72,6 +78,7 @@ void setMeanLook(const MaterialStore& materials, GrainShape& shape, std::span<co
   shape.albedo = vec3(means.albedo / means.weight);
   shape.roughness = static_cast<float>(means.roughness / means.weight);
   shape.metallic = static_cast<float>(means.metallic / means.weight);
+  shape.facing = static_cast<float>(means.facing / means.weight);
   shape.cast_share = std::min(1.0f, static_cast<float>(meanShadowRadius(means.weight / kSamples)) / shape.outer_radius);
 }
 

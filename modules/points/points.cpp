@@ -14,13 +14,12 @@
 #include "modules/deferred/deferred.h"
 #include "modules/lod/lod.h"
 #include "shaders/shared/points.h"
-#include "shaders/shared/sky.h"
 
 namespace scree {
 namespace {
 
 constexpr const char *kKeys = "points.keys", *kSums = "points.sums", *kTiles = "points.tiles";
-constexpr int kSurface = 0, kToSun = 1, kLeastArea = 2, kSky = 3, kRadius = 4;  // uniform locations
+constexpr int kSurface = 0, kFacing = 1, kLeastArea = 2, kRadius = 3;  // uniform locations
 void dispatch(const SwarmPart& part) {
   gpu::dispatchIndirect(*part.commands, offsetof(rules::SwarmCommands, point_groups));
 }
@@ -119,26 +118,20 @@ void count(Points& points, const gpu::Texture& overdraw) {
   points.eachPart([](const SwarmPart& part) { dispatch(part); });
 }
 
-// Luminance of the sky: constant, by height, by its square.
-vec3 skyLuminance(const Sky& sky) {
-  const rules::SkyPolynomial p = rules::skyPolynomial(sky.zenith, sky.horizon, sky.ground);
-  const vec3 luminance(0.2126f, 0.7152f, 0.0722f);
-  return {glm::dot(vec3(p.a), luminance), glm::dot(vec3(p.b), luminance), glm::dot(vec3(p.c), luminance)};
-}
-
 void resolve(Points& points, unsigned features) {
   gpu::Program& program = Points::made(points.resolve, "resolve", features);
   if (!program.use()) return;
   const GrainShape& shape = points.shape(0);
-  const Sun& sun = points.world.singleton<const Sun>();
   program.set(kSurface, vec2(shape.roughness, shape.metallic));
-  program.set(kToSun, sun.present ? sun.to_sun : vec3(0));
   program.set(kLeastArea, kLeastShare);
-  float radius = 0;
-  for (size_t k = 0; k < points.swarms().size(); ++k)
+  float radius = 0, facing = 0;
+  const size_t parts = points.swarms().size();
+  for (size_t k = 0; k < parts; ++k) {
     radius = std::max(radius, points.swarms().part(k).largest_radius * points.shape(k).cast_share);
+    facing += points.shape(k).facing / static_cast<float>(parts);
+  }
   program.set(kRadius, radius);
-  program.set(kSky, skyLuminance(points.world.singleton<const Sky>()));
+  program.set(kFacing, facing);
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.sums.bindStorage(rules::kPointSumsBinding);
   points.carries.bindStorage(rules::kPointCarriesBinding);
@@ -197,6 +190,7 @@ void addPoints(App& app) {
                .needs = needs,
                .needs_content = {kSums},
                .uses = gbufferUses({{kKeys, Access::StorageWrite},
+                                    {std::string(kGbufferSpread), Access::StorageWrite},
                                     {kSums, Access::StorageWrite},
                                     {kTiles, Access::Indirect},
                                     {kTiles, Access::StorageWrite}}),

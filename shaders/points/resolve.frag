@@ -1,6 +1,6 @@
 // The pixels that points cover, into the G-buffer; their sums are emptied.
 #include "lib/gbuffer.glsl"
-#include "shared/bed_gloss.h"
+#include "shared/bed.h"
 #include "shared/points.h"
 
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
@@ -14,14 +14,11 @@ layout(std430, binding = kPointIdsBinding) readonly buffer Ids { uint ids[]; };
 #endif
 
 layout(location = 0) uniform vec2 surface;      // roughness, metalness
-layout(location = 1) uniform vec3 to_sun;       // 0: there is none
+layout(location = 1) uniform float facing;      // mean cosine between a face of the grains and its normals
 layout(location = 2) uniform float least_area;  // share of a pixel
-layout(location = 4) uniform float radius;      // of the largest point, m
-layout(location = 3) uniform vec3 sky;          // luminance: constant, by height, by its square
+layout(location = 3) uniform float radius;      // of the largest point, m
 
 in vec3 ray;
-
-const vec3 kLuminance = vec3(0.2126, 0.7152, 0.0722);
 
 uint at(ivec2 pixel) {
   ivec2 p = clamp(pixel, ivec2(0), ivec2(view.size_px) - 1);
@@ -97,12 +94,9 @@ void main() {
   vec3 to_eye = -normalize(ray);
   vec3 up = surfaceNormal(foremost, change);
   vec3 shares = bedShares(bedSteepness(dot(to_eye, up), lone ? 0.0 : kBedPacking * min(area, 1.0)));
-  float base = dot(s.albedo, kLuminance);
-  BedSurface flat_surface = bedSurface(to_eye, to_sun, up, shares, base, mix(kDielectricF0, base, look.y), look.x, look.y, sky);
-  s.spread = 0.0;
-  s.normal_ws = flat_surface.normal;
-  s.albedo = clamp(s.albedo * flat_surface.share + flat_surface.white, 0.0, 1.0);
-  s.roughness = bedRoughness(look.x, look.y);
+  s.normal_ws = bedMeanNormal(to_eye, up, shares);
+  s.spread = 1.0 - facing * length(s.normal_ws);
+  s.roughness = look.x;
 #ifdef MOTION
   vec3 previous = ray / inverse + view.camera_delta.xyz;
   s.motion_px = motionFromPrevious((view.previous_clip_from_relative * vec4(previous, 1.0)).xyw, gl_FragDepth);

@@ -31,9 +31,9 @@ RULE vec3 albedoCode(vec3 linear) { return sqrt(clamp(linear, 0.0f, 1.0f)); }
 RULE vec3 albedoFromCode(vec3 code) { return code * code; }
 
 // Metallic and spread (shared/spread.h) as stored, in [0, 1] of 8 bits, and back. Surfaces of one normal keep
-// metallic in 128 steps, others in 8: nearly all are wholly of metal or not at all.
+// metallic in 128 steps, others in 5: nearly all are wholly of metal or not at all.
 const float kMetallicSteps = 127.0f;
-const float kSpreadMetallicSteps = 7.0f;
+const float kSpreadMetallicSteps = 4.0f;
 RULE float metallicSpreadCode(float metallic, float spread) {
   int steps = spreadCode(spread);
   float m = clamp(metallic, 0.0f, 1.0f);
@@ -50,7 +50,7 @@ RULE MetallicSpread metallicSpreadFromCode(float code) {
   int stored = int(code * 255.0f + 0.5f), beyond = stored - int(kMetallicSteps) - 1;
   bool spread = beyond >= 0;
   MetallicSpread s;
-  s.metallic = spread ? float(beyond & int(kSpreadMetallicSteps)) * (1.0f / kSpreadMetallicSteps) : metallicFromCode(code);
+  s.metallic = spread ? float(beyond % (int(kSpreadMetallicSteps) + 1)) * (1.0f / kSpreadMetallicSteps) : metallicFromCode(code);
   s.spread = spread ? beyond / (int(kSpreadMetallicSteps) + 1) + 1 : 0;
   return s;
 }

@@ -9,13 +9,14 @@ RULES_BEGIN
 
 const float kMostSpread = 0.5f;
 // The G-buffer keeps it in so many steps, finer towards 0.
-const int kSpreadSteps = 16;
+const int kSpreadSteps = 25;
 RULE int spreadCode(float spread) {
-  return int(sqrt(clamp(spread, 0.0f, kMostSpread) / kMostSpread) * float(kSpreadSteps) + 0.5f);
+  float share = clamp(spread, 0.0f, kMostSpread) * (1.0f / kMostSpread);
+  return int(pow(share, 2.0f / 3.0f) * float(kSpreadSteps) + 0.5f);
 }
 RULE float spreadFromCode(int code) {
-  float share = float(code) / float(kSpreadSteps);
-  return kMostSpread * share * share;
+  float share = float(code) * (1.0f / float(kSpreadSteps));
+  return kMostSpread * share * sqrt(share);
 }
 
 // Mean square of a normal's part across the mean direction, along one of two axes; and variance of that along it.
@@ -27,10 +28,12 @@ RULE float spreadVariance(float c, float spread) {
   return c * c * spreadAlong(spread) + max(1.0f - c * c, 0.0f) * spreadAcross(spread);
 }
 
-// Mean of max(n.d, 0): as of a normal distribution where d is across, and exact where all normals are on one side.
+// Mean of max(n.d, 0). That of a disc's points is (mean + sqrt(mean^2 + (8 / (3 pi))^2 variance)) / 2 where the mean is
+// 0, and the mean where that is two deviations and more; of a ball within 0.007.
 RULE float spreadTowards(float c, float spread) {
-  float mean = (1.0f - spread) * c;
-  return 0.5f * (mean + sqrt(mean * mean + 0.63661977f * spreadVariance(c, spread)));
+  float mean = (1.0f - spread) * c, variance = max(1.0f - c * c, 0.0f) * spreadAcross(spread);
+  float lost = 0.7205f * sqrt(variance * max(variance - 0.25f * mean * mean, 0.0f));
+  return 0.5f * (mean + sqrt(mean * mean + lost));
 }
 
 // Means of n.d and of its square.
@@ -51,7 +54,7 @@ RULE float spreadAlpha2(float alpha2, float spread) {
 }
 
 // Means over the near side of a ball of the two parts of a GGX lobe's albedo: of what does not depend on the angle,
-// and of Schlick's weight. Fitted to modules/deferred/lobe_table: within 0.006 and 0.001.
+// and of Schlick's weight. Fitted to modules/deferred/lobe_table: within 0.007 and 0.0015.
 RULE vec2 ballAlbedo(float roughness) {
   float r2 = roughness * roughness, r4 = r2 * r2;
   return vec2(0.952f / (1.0f + r4 * (1.7f - 0.36f * r2)), (1.0f / 21.0f) / (1.0f + r2 * roughness * (12.2f + 4.0f * r4)));

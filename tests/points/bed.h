@@ -25,7 +25,7 @@ struct PointScene : SwarmScene {
     mesh.material = static_cast<int>(material(plainMaterial(color, metallic, roughness)));
     EXPECT_TRUE(addLevels(world.singleton<MeshStore>(), shape, std::span(&mesh, 1)).ok());
     setMeanLook(world.singleton<MaterialStore>(), shape, std::span(&mesh, 1));
-    shape.cast_share = 1;  // of the ball, not of the mesh inside it
+    shape.cast_share = shape.facing = 1;  // of the ball, not of the mesh inside it
     return world.singleton<SwarmStore>().addShape(shape);
   }
 };

@@ -244,7 +244,7 @@ TEST_F(Points, SwarmsOfTwoMaterialsMix) {
   scene.render();
   const std::vector<float> albedo = scene.floats(kGbufferAlbedo, 4);
   for (int y = 10; y < 22; ++y)
-    for (int x = 10; x < 22; ++x) EXPECT_NEAR(albedo[4 * scene.at(x, y) + 3], 0.5f, 0.01f) << x << " " << y;
+    for (int x = 10; x < 22; ++x) EXPECT_NEAR(rules::metallicSpreadFromCode(albedo[4 * scene.at(x, y) + 3]).metallic, 0.5f, 0.01f) << x << " " << y;
 }
 
 // At the default settings, what is near costs no work of points; neither does it once points have been drawn.
