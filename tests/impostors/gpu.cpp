@@ -55,8 +55,7 @@ std::vector<float> expected(vec3 d, int n) {
   return out;
 }
 
-constexpr const char* kProgram = R"(#include "shared/impostor.h"
-#include "shared/spread.h"
+constexpr const char* kProgram = "#include \"shared/spread.h\"\n" R"(#include "shared/impostor.h"
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer In { vec4 cases[]; };
 layout(std430, binding = 1) buffer Out { float values[]; };
