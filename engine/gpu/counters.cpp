@@ -14,6 +14,7 @@ Counters operator-(const Counters& after, const Counters& before) {
   d.dispatches -= before.dispatches;
   d.barriers -= before.barriers;
   d.programs -= before.programs;
+  d.reloads -= before.reloads;
   d.buffers -= before.buffers;
   d.buffer_bytes -= before.buffer_bytes;
   d.textures -= before.textures;

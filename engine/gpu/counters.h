@@ -12,6 +12,7 @@ struct Counters {
   uint64_t barriers = 0;    // memory barriers
 
   uint64_t programs = 0;      // programs compiled and linked, reloads included
+  uint64_t reloads = 0;       // programs that took the place of older ones, or of none that compiled
   uint64_t buffers = 0;       // buffers created
   uint64_t buffer_bytes = 0;  // bytes of storage of these
   uint64_t textures = 0;      // textures created

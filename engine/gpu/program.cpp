@@ -299,7 +299,9 @@ SCREE_SET(std::span<const vec4> values,
 
 bool ProgramAccess::reload(Program::State& state) {
   if (!state.attempted || state.watch.poll().empty()) return false;
-  return state.attempt().ok();
+  const bool replaced = state.attempt().ok();
+  counters().reloads += replaced;
+  return replaced;
 }
 
 bool Program::reload() {

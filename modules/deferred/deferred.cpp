@@ -4,6 +4,7 @@
 #include "engine/app/app.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/state.h"
+#include "modules/deferred/shadow_map.h"
 #include "modules/deferred/state.h"
 
 namespace scree {
@@ -22,10 +23,6 @@ std::vector<Use> gbufferUses(std::vector<Use> extra) {
                            {std::string(kGbufferDepth), Access::Depth}};
   uses.insert(uses.end(), extra.begin(), extra.end());
   return uses;
-}
-
-bool shadowsWanted(World& world) {
-  return world.singleton<const Sun>().present && !world.singleton<const ShadowCasters>().spheres.empty();
 }
 
 std::vector<Use> shadowUses(std::vector<Use> extra) {
@@ -54,6 +51,7 @@ void addDeferred(App& app) {
   world.singleton<ShadowCasters>();
   world.singleton<ShadowSettings>();
   world.singleton<ShadowView>();
+  world.singleton<ShadowMap>();
   world.singleton<Sun>();
   world.singleton<Exposure>();
 

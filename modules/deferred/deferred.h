@@ -55,9 +55,10 @@ std::vector<Use> gbufferUses(std::vector<Use> extra = {});
 //
 // 1. In Phase::Prepare, a system registered after addDeferred appends spheres that contain what it
 //    will draw to ShadowCasters. Large groups may share a sphere: only the union's extent matters.
+//    It says by a Drawing whether that has changed: as long as nothing has, the map is kept.
 // 2. A pass of Stage::Geometry, registered after addDeferred, with needs = shadowsWanted and uses =
 //    shadowUses(), draws depth with shadow_view.clip_from_relative (#include "shared/shadow.h"; the
-//    block is bound). Its DrawState: shadowDrawState(). The map is cleared already.
+//    block is bound). Its DrawState: shadowDrawState(). The map is cleared already: it draws all.
 
 // World singleton. Emptied at the start of every Phase::Prepare.
 struct ShadowCasters {
@@ -66,17 +67,28 @@ struct ShadowCasters {
     float radius = 0; // m
   };
   std::vector<Sphere> spheres;
+  // What a pass draws in this frame: spheres that no drawing counts are of something that may change
+  // in each, and the map is drawn anew.
+  struct Drawing {
+    std::string_view pass;
+    uint64_t version = 0;  // another one than ever before when other depths are drawn
+    size_t spheres = 0;    // how many of them are of it
+    bool operator==(const Drawing&) const = default;
+  };
+  std::vector<Drawing> drawings;
 };
 
-// True if the scene has a sun and some caster. For PassDesc::needs.
+// True if the scene has a sun and some caster in reach, and the map does not show them yet as they are
+// in this frame. For PassDesc::needs.
 bool shadowsWanted(World& world);
 std::vector<Use> shadowUses(std::vector<Use> extra = {});
 gpu::DrawState shadowDrawState();
 
-// World singleton; of the current frame from the pass deferred.shadow on.
+// World singleton; of the current frame as soon as it is decided which passes are on.
 struct ShadowView {
-  rules::ShadowViewBlock block{};
-  uint64_t version = 0;  // goes up when the map's place in the world or its resolution changes
+  rules::ShadowViewBlock block{};  // enabled = 0 without a sun too
+  // Goes up when the map's place in the world or its resolution changes, or a program was reloaded.
+  uint64_t version = 0;
 };
 
 // World singleton.

@@ -8,10 +8,13 @@ namespace {
 void run(DeferredState& state) {
   World& world = state.world;
   MeshBatches& batches = state.batches;
+  ShadowCasters& casters = world.singleton<ShadowCasters>();
   batches.update(world, world.singleton<const FrameInput>(), world.singleton<const View>(),
-                 world.singleton<const Sun>().present, world.singleton<ShadowCasters>());
+                 world.singleton<const Sun>().present, casters);
   state.plain_in_view = state.emission_in_view = false;
-  if (batches.opaqueCount() + batches.castingCount(true) + batches.castingCount(false) == 0) return;
+  const size_t casting = batches.castingCount(true) + batches.castingCount(false);
+  if (casting > 0) casters.drawings.push_back({"deferred.shadow", batches.castingVersion(), casting});
+  if (batches.opaqueCount() + casting == 0) return;
   state.materials.update(world.singleton<const MaterialStore>());
   state.instances.beginFrame();
   if (batches.opaqueCount() == 0) return;

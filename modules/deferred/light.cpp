@@ -56,8 +56,7 @@ const gpu::Texture& LightPass::lobes(bool of_spread) {
 }
 
 void LightPass::draw(DeferredState& state, PassContext& context) {
-  const bool shadows = context.frame.hasContent(kShadowMap) &&
-                       state.world.singleton<const ShadowView>().block.enabled > 0;
+  const bool shadows = state.world.singleton<const ShadowView>().block.enabled > 0;
   const bool shining = state.world.singleton<const Sun>().present;
   const bool hard = state.shadow_settings.single_fetch;
   const bool normals_spread = context.frame.hasContent(kGbufferSpread);
@@ -72,6 +71,8 @@ void LightPass::draw(DeferredState& state, PassContext& context) {
   context.frame.bindSampled(kGbufferEmissive, rules::kGbufferEmissiveUnit);
   lobes(normals_spread).bind(rules::kLobeTableUnit);
   if (shadows) {
+    // Where the map is kept, deferred.shadow, which else does it, is off.
+    if (!context.frame.hasContent(kShadowMap)) bindShadowView(state);
     context.frame.bindSampled(kGbufferDepth, rules::kGbufferDepthUnit);
     context.frame.bindSampled(kShadowMap, rules::kShadowMapUnit);
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/core/log.h"
+#include "modules/deferred/shadow_map.h"
 #include "modules/deferred/state.h"
 #include "shaders/shared/bindings.h"
 #include "shaders/shared/gbuffer.h"
@@ -59,7 +60,7 @@ void run(DeferredState& state) {
   World& world = state.world;
   const Sun sun = findSun(state);
   world.singleton<Sun>() = sun;
-  world.singleton<ShadowCasters>().spheres.clear();
+  beginShadows(world);
   if (!state.batches.any()) state.batches.forget();
   state.shadow_settings = world.singleton<const ShadowSettings>();
   state.exposure = world.singleton<const Exposure>().scale;

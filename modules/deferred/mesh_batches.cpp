@@ -44,6 +44,7 @@ void MeshBatches::group(World& world) {
   const Version version = query_.version<MeshInstance>();
   if (version == grouped_ && known_meshes_ == meshes.size() && known_materials_ == materials.size()) return;
   grouped_ = version;
+  ++groupings_;
   known_meshes_ = meshes.size();
   known_materials_ = materials.size();
 
@@ -118,19 +119,18 @@ void MeshBatches::place(World& world, const FrameInput& input, const View& view,
   }
 }
 
-bool MeshBatches::Standing::operator==(const Standing& other) const {
+bool MeshBatches::Caster::operator==(const Caster& other) const {
   return slot == other.slot && placed.position == other.placed.position &&
          placed.rotation == other.placed.rotation && placed.scale == other.placed.scale;
 }
 
-void MeshBatches::noteStanding() {
-  standing_.swap(standing_before_);
-  standing_.clear();
+void MeshBatches::note(Noted& noted, Part part) const {
+  noted.now.swap(noted.before);
+  noted.now.clear();
   for (const Placed& p : placed_)
-    if (belongs(p, Part::CastingStill)) standing_.push_back({p.slot, p.now});
-  // Slots mean other meshes after a new grouping.
-  if (standing_ != standing_before_ || standing_grouped_ != grouped_) ++still_version_;
-  standing_grouped_ = grouped_;
+    if (belongs(p, part)) noted.now.push_back({p.slot, p.now});
+  if (noted.now != noted.before || noted.groupings != groupings_) ++noted.version;
+  noted.groupings = groupings_;
 }
 
 bool MeshBatches::belongs(const Placed& p, Part part) {
@@ -161,7 +161,8 @@ void MeshBatches::update(World& world, const FrameInput& input, const View& view
   layOut(opaque_, opaque_count_, Part::Opaque);
   layOut(casting_still_, still_count_, Part::CastingStill);
   layOut(casting_moving_, moving_count_, Part::CastingMoving);
-  noteStanding();
+  note(noted_still_, Part::CastingStill);
+  note(noted_moving_, Part::CastingMoving);
   // Near surfaces first, so that the depth test saves shading what they hide. By the spheres' far
   // sides: what ends nearer hides what goes on behind it, and a ground around the camera comes last.
   std::sort(opaque_.begin(), opaque_.end(), [](const MeshBatch& a, const MeshBatch& b) {

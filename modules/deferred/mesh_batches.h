@@ -58,7 +58,9 @@ class MeshBatches {
   size_t castingCount(bool still) const { return still ? still_count_ : moving_count_; }
   void writeCasting(bool still, const ShadowFit& fit, std::span<rules::MeshCasterRecord> records) const;
   // Moves on when the casters that stand still, or where they stand, are others than before.
-  uint64_t stillVersion() const { return still_version_; }
+  uint64_t stillVersion() const { return noted_still_.version; }
+  // The same of all casters.
+  uint64_t castingVersion() const { return noted_still_.version + noted_moving_.version; }
 
  private:
   struct Key {
@@ -73,11 +75,16 @@ class MeshBatches {
     uint32_t slot;  // 2 * group + mirrored
     bool visible, casts, still;
   };
-  // A caster that stands still.
-  struct Standing {
+  // A caster where it is in a frame.
+  struct Caster {
     uint32_t slot;
     Transform placed;
-    bool operator==(const Standing& other) const;
+    bool operator==(const Caster& other) const;
+  };
+  struct Noted {
+    std::vector<Caster> now, before;
+    uint64_t groupings = 0;  // slots mean other meshes after a new grouping
+    uint64_t version = 1;
   };
   enum class Part { Opaque, CastingStill, CastingMoving };
   static bool belongs(const Placed& p, Part part);
@@ -85,11 +92,12 @@ class MeshBatches {
   void place(World& world, const FrameInput& input, const View& view, bool sun,
              ShadowCasters& casters);
   void layOut(std::vector<MeshBatch>& batches, size_t& total, Part part);
-  void noteStanding();
+  void note(Noted& noted, Part part) const;
   void setCursors(std::span<const MeshBatch> batches) const;
 
   Query<const Transform, const MeshInstance> query_;
   Version grouped_ = 0;
+  uint64_t groupings_ = 0;
   size_t known_meshes_ = 0, known_materials_ = 0;
   std::vector<Key> groups_;
   std::vector<uint32_t> group_of_row_;  // all tables one after the other; kNoGroup: not drawable
@@ -97,9 +105,7 @@ class MeshBatches {
   std::vector<MeshBatch> slots_;  // two a group; far_side_m is of the frame, the rest scratch
   std::vector<MeshBatch> opaque_, casting_still_, casting_moving_;
   size_t opaque_count_ = 0, still_count_ = 0, moving_count_ = 0;
-  std::vector<Standing> standing_, standing_before_;
-  Version standing_grouped_ = 0;
-  uint64_t still_version_ = 1;
+  Noted noted_still_, noted_moving_;
   dvec3 camera_{0}, previous_camera_{0};
   mutable std::vector<uint32_t> cursor_;  // scratch of the writers
 };

@@ -1,22 +1,17 @@
-// deferred.shadow: fits the sun's view to all casters and draws casting meshes. The depth of what
-// stands still is kept between frames.
+// deferred.shadow: draws casting meshes. The depth of those that stand still is kept between frames.
+#include <algorithm>
+
 #include "engine/core/log.h"
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/state.h"
 #include "modules/deferred/mesh_array.h"
 #include "modules/deferred/shadow_fit.h"
+#include "modules/deferred/shadow_map.h"
 #include "modules/deferred/state.h"
 
 namespace scree {
 namespace {
-
-// What a map of still casters shows.
-struct Shown {
-  ShadowFit fit;
-  uint64_t still_version = 0;  // 0: nothing yet
-  bool operator==(const Shown&) const = default;
-};
 
 struct ShadowPass {
   gpu::Program solid{{.name = "deferred.caster", .vertex = "deferred/caster.vert"}};
@@ -28,41 +23,17 @@ struct ShadowPass {
   // The still casters alone, as long as others are drawn into the shadow map itself.
   gpu::Texture kept_map;
   gpu::Framebuffer kept_target;
-  Shown kept;      // by kept_map
-  Shown complete;  // by the shadow map, if it shows still casters and nothing else
-  int side = 0;    // of the shadow map's used part, in the last run; around it the map is empty
+  uint64_t kept_view = 0, kept_version = 0;  // what kept_map shows; 0: nothing yet
 
-  void clear(PassContext& context);
   void run(DeferredState& state, PassContext& context);
   void drawStill(DeferredState& state, const ShadowFit& fit, PassContext& context);
   void draw(DeferredState& state, const ShadowFit& fit, bool still);
 };
 
-void ShadowPass::clear(PassContext& context) {
-  context.framebuffer->clearDepth(0);
-  complete = Shown();
-}
-
-ShadowFit fit(DeferredState& state, int output_height) {
-  World& world = state.world;
-  const ShadowSettings& settings = state.shadow_settings;
-  const dvec3 camera = world.singleton<const View>().position;
-  const ShadowFit fit =
-      fitShadow(world.singleton<const ShadowCasters>().spheres, camera,
-                world.singleton<const Sun>().to_sun, shadowMapSide(settings, output_height),
-                settings.max_distance_m);
-  ShadowView& view = world.singleton<ShadowView>();
-  if (view.version == 0 || !(fit == state.shadow_fit)) ++view.version;
-  state.shadow_fit = fit;
-  view.block = shadowViewBlock(fit, camera);
-  state.blocks.write(view.block).bindUniform(rules::kShadowViewBinding);
-  return fit;
-}
-
 void ShadowPass::draw(DeferredState& state, const ShadowFit& fit, bool still) {
   const MeshBatches& batches = state.batches;
   const size_t count = batches.castingCount(still);
-  if (count == 0 || !fit.enabled) return;
+  if (count == 0) return;
   const gpu::StreamSlice records = state.instances.allocate(count * sizeof(rules::MeshCasterRecord));
   batches.writeCasting(still, fit, {static_cast<rules::MeshCasterRecord*>(records.data), count});
   MeshStore& meshes = state.world.singleton<MeshStore>();
@@ -86,7 +57,7 @@ void ShadowPass::draw(DeferredState& state, const ShadowFit& fit, bool still) {
   }
 }
 
-// Copies the kept map over the shadow map's used part, after drawing it anew if need be.
+// Copies the kept map over all of the shadow map that is read, after drawing it anew if need be.
 void ShadowPass::drawStill(DeferredState& state, const ShadowFit& fit, PassContext& context) {
   if (!kept_map) {
     kept_map = gpu::Texture("deferred.kept_shadows", {.format = GL_DEPTH_COMPONENT16,
@@ -95,46 +66,49 @@ void ShadowPass::drawStill(DeferredState& state, const ShadowFit& fit, PassConte
     kept_target.attachDepth(kept_map);
     if (Status done = kept_target.finish(); !done.ok()) fail("deferred.shadow: " + done.error());
   }
-  const Shown wanted{fit, state.batches.stillVersion()};
-  if (kept != wanted) {
+  const uint64_t view = state.world.singleton<const ShadowView>().version;
+  const uint64_t version = state.batches.stillVersion();
+  if (kept_view != view || kept_version != version) {
     kept_target.bind();
     kept_target.clearDepth(0);
     draw(state, fit, true);
     context.framebuffer->bind();
-    kept = wanted;
+    kept_view = view;
+    kept_version = version;
   }
+  // The filter reads past the used part.
+  const int side = std::min(fit.side + static_cast<int>(rules::kShadowFilterTexels), rules::kShadowMapSize);
   glCopyImageSubData(kept_map.id(), GL_TEXTURE_2D, 0, 0, 0, 0,
-                     context.frame.texture(kShadowMap).id(), GL_TEXTURE_2D, 0, 0, 0, 0, fit.side,
-                     fit.side, 1);
+                     context.frame.texture(kShadowMap).id(), GL_TEXTURE_2D, 0, 0, 0, 0, side, side, 1);
 }
 
 void ShadowPass::run(DeferredState& state, PassContext& context) {
-  const ShadowFit now = fit(state, context.input.size.y);
+  ShadowMap& map = state.world.singleton<ShadowMap>();
+  bindShadowView(state);
   const MeshBatches& batches = state.batches;
   const size_t still = batches.castingCount(true), moving = batches.castingCount(false);
   const bool others = state.world.singleton<const ShadowCasters>().spheres.size() > still + moving;
-  if (context.first_run_after_off || side != now.side) clear(context);
-  side = now.side;
   if (still > 0 && (moving > 0 || others)) {
-    complete = Shown();
-    drawStill(state, now, context);
-    draw(state, now, false);
-    return;
+    drawStill(state, map.fit, context);
+    draw(state, map.fit, false);
+  } else {
+    context.framebuffer->clearDepth(0);
+    draw(state, map.fit, still > 0);
   }
-  const Shown wanted{now, batches.stillVersion()};
-  if (still > 0 && complete == wanted) return;
-  clear(context);
-  draw(state, now, still > 0);
-  if (still > 0) complete = wanted;
+  map.shown = map.due;
 }
 
 }  // namespace
+
+void bindShadowView(DeferredState& state) {
+  state.blocks.write(state.world.singleton<const ShadowView>().block).bindUniform(rules::kShadowViewBinding);
+}
 
 PassDesc shadowPass(const SharedState& state) {
   const auto pass = std::make_shared<ShadowPass>();
   return {.name = "deferred.shadow",
           .stage = Stage::Geometry,
-          .needs_text = "a sun and a shadow caster",
+          .needs_text = "a shadow that has changed",
           .needs = [state] { return shadowsWanted(state->world); },
           .uses = shadowUses(),
           .run = [state, pass](PassContext& context) { pass->run(*state, context); }};

@@ -30,7 +30,6 @@ struct DeferredState {
   rules::LightingBlock lighting{};
   // As of Phase::Prepare.
   ShadowSettings shadow_settings;
-  ShadowFit shadow_fit;  // of the last frame with shadows
   float exposure = 1;
   std::vector<Entity> warned_lights;  // that were complained about; at most kMostLightWarnings
 };
@@ -42,6 +41,8 @@ SystemDesc gatherSystem(const SharedState& state);  // gather.cpp
 PassDesc opaquePass(const SharedState& state);
 PassDesc emissivePass(const SharedState& state);    // opaque.cpp
 PassDesc shadowPass(const SharedState& state);
+// Hands world.singleton<ShadowView>() to programs.
+void bindShadowView(DeferredState& state);  // shadow.cpp
 // Whether a pass that shades writes kRadiance, or the display at once because nobody reads kRadiance
 // but deferred.present.
 enum class ShadesInto : uint8_t { Radiance, Display };

@@ -89,7 +89,7 @@ PassDesc shadowPass(const SharedState& state) {
       .name = "grains.shadow", .vertex = "grains/shadow.vert", .fragment = "grains/shadow.frag"});
   return {.name = "grains.shadow",
           .stage = Stage::Geometry,
-          .needs_text = "a grain and a sun",
+          .needs_text = "a grain, and a shadow that has changed",
           .needs = [state] {
             return !state->draw.drawn.empty() && state->draw.count > 0 &&
                    shadowsWanted(state->world);

@@ -20,12 +20,23 @@ inline constexpr size_t kLoneCasters = 8192, kCasterGroup = 64;
 using DrawnQuery = Query<const Grain, const GrainPrevious, const GrainOrientation, const GrainSpin,
                          const GrainLook>;
 
+// What the depths that grains.shadow draws depend on, beside the map's place.
+struct Cast {
+  Version records = 0;
+  size_t count = 0;
+  dvec3 origin{0}, camera{0};
+  float alpha = 1;  // 1 if no grain moves
+  bool operator==(const Cast&) const = default;
+};
+
 struct DrawState {
   DrawnQuery drawn;
   Version uploaded = 0;  // of the columns in `records`
   gpu::StreamBuffer record_stream{"grains.records", 1 << 20};  // moves on only when grains moved
   gpu::StreamBuffer frame_stream{"grains.frame", 64 * 1024};
   gpu::StreamSlice records, frame, visible, spans;
+  Cast cast;
+  uint64_t cast_version = 0;  // goes up when it changes
   Cover cover;                          // of the grains in view
   std::vector<uint32_t> covered_spans;  // its tiles: what grains.draw looks at
   uint32_t count = 0;          // grains

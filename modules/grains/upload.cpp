@@ -92,8 +92,10 @@ void gatherVisible(DrawState& draw, const View& view, vec3 origin, float alpha) 
   draw.cover.spans(draw.covered_spans);
 }
 
-// Spheres around the grains at the frame's time.
-void addCasters(const DrawState& draw, const dvec3& origin, float alpha, ShadowCasters& casters) {
+// Spheres around the grains at the frame's time; tells whether their shadows are those of the last frame.
+void addCasters(DrawState& draw, const dvec3& origin, const dvec3& camera, float alpha, ShadowCasters& casters) {
+  const size_t others = casters.spheres.size();
+  bool moving = false;
   const size_t group = draw.count <= kLoneCasters ? 1 : kCasterGroup;
   draw.drawn.spans([&](std::span<const Entity>, std::span<const Grain> grain,
                        std::span<const GrainPrevious> previous, auto, auto, auto) {
@@ -102,6 +104,7 @@ void addCasters(const DrawState& draw, const dvec3& origin, float alpha, ShadowC
       vec3 low(3e38f), high(-3e38f);
       for (size_t k = begin; k < end; ++k) {
         const vec3 p = previous[k].position + (grain[k].position - previous[k].position) * alpha;
+        moving |= previous[k].position != grain[k].position;
         low = glm::min(low, p - grain[k].radius);
         high = glm::max(high, p + grain[k].radius);
       }
@@ -110,6 +113,10 @@ void addCasters(const DrawState& draw, const dvec3& origin, float alpha, ShadowC
       casters.spheres.push_back({origin + dvec3(0.5f * (low + high)), radius});
     }
   });
+  const Cast cast{draw.uploaded, draw.count, origin, camera, moving ? alpha : 1};
+  if (cast != draw.cast) ++draw.cast_version;
+  draw.cast = cast;
+  casters.drawings.push_back({"grains.shadow", draw.cast_version, casters.spheres.size() - others});
 }
 
 void upload(GrainsState& state) {
@@ -135,7 +142,7 @@ void upload(GrainsState& state) {
     draw.spans = draw.frame_stream.write(std::span<const uint32_t>(draw.covered_spans));
   }
   if (world.singleton<const Sun>().present)
-    addCasters(draw, origin, input.alpha, world.singleton<ShadowCasters>());
+    addCasters(draw, origin, view.position, input.alpha, world.singleton<ShadowCasters>());
 }
 
 }  // namespace

@@ -107,7 +107,6 @@ void SunMap::splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock
 
 void draw(const SwarmsDrawn::State& state, SunMap& map) {
   const ShadowView& shadow = state.world.singleton<const ShadowView>();
-  if (!(shadow.block.enabled > 0)) return;
   if (map.shadow_version != shadow.version || map.casters_version != state.casters_version) {
     map.splat(state, shadow.block);
     map.shadow_version = shadow.version;
@@ -125,7 +124,7 @@ PassDesc shadowPass(const SharedState& state) {
   const auto map = std::make_shared<SunMap>();
   return {.name = "lod.shadow",
           .stage = Stage::Geometry,
-          .needs_text = "a sun and a swarm that casts shadows",
+          .needs_text = "a swarm that casts, and a shadow that has changed",
           .needs = [state] { return state->casts && shadowsWanted(state->world); },
           .uses = shadowUses(),
           .run = [state, map](PassContext&) { draw(*state, *map); }};

@@ -249,6 +249,8 @@ void upload(SwarmsDrawn::State& state) {
     std::swap(seen, state.casters_seen);
     ++state.casters_version;
   }
+  if (state.casts)
+    world.singleton<ShadowCasters>().drawings.push_back({"lod.shadow", state.casters_version, state.casters_seen.size()});
   if (drew) reserveCandidates(state.candidates, world.singleton<const FrameInput>().size);
 }
 

@@ -31,7 +31,7 @@ struct Yard : Studio {
   }
   uint64_t drawsOf(std::string_view pass) {
     for (const PassReport& r : app.frame().report())
-      if (r.name == pass) return r.counters.draws;
+      if (r.name == pass && r.on) return r.counters.draws;
     return 0;
   }
 };

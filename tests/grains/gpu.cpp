@@ -329,11 +329,11 @@ TEST_F(GrainsDrawn, CostsWhatItMust) {
   stage.show();
   stage.render();
   stage.render();
-  // Grains at rest: three draws more, and no record is sent again.
+  // Grains at rest: two draws more, and neither a record nor a shadow again.
   start = gpu::counters();
   stage.render();
   gpu::Counters rest = gpu::counters() - start;
-  EXPECT_EQ(rest.draws, 3u + 3);  // visible, draw, shadow; light, sky, present
+  EXPECT_EQ(rest.draws, 2u + 3);  // visible, draw; light, sky, present
   EXPECT_EQ(rest.programs + rest.textures + rest.buffers + rest.framebuffers, 0u);
   EXPECT_LT(rest.bytes_uploaded, 100 * 4 + 2048u);
   // A grain that moved sends all records.

@@ -27,7 +27,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).parent))
 import faults  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-TESTS = re.compile(r"^(deferred|grains|occlusion|overlay|scene|frame|gpu|game)\.")
+TESTS = re.compile(r"^(deferred|grains|occlusion|overlay|scene|shadows|frame|gpu|game)\.")
 NEEDED_SHARE = 0.95
 MIN_TIMEOUT_S = 120
 
