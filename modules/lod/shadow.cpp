@@ -10,6 +10,7 @@
 #include "engine/gpu/state.h"
 #include "modules/deferred/deferred.h"
 #include "modules/lod/state.h"
+#include "shaders/shared/tiles.h"
 
 namespace scree::lod {
 namespace {
@@ -50,11 +51,17 @@ Cells cellsOf(float largest_m, float least_m, const rules::ShadowViewBlock& view
   return cells;
 }
 
+size_t tilesOf(const rules::ShadowViewBlock& view) {
+  const ivec2 tiles = rules::tileCount(ivec2(view.size_px));
+  return static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y);
+}
+
 struct SunMap {
   gpu::Program cells_program = compute("sun_cells"), depth_program = compute("sun_depth"),
                depth_list_program = compute("sun_depth", {"LIST"}), discs_program = compute("sun_discs");
-  gpu::Program copy{{.name = "lod.shadow", .vertex = "lib/full_screen.vert", .fragment = "lod/sun.frag"}};
-  gpu::Buffer cells, depth;
+  gpu::Program copy{{.name = "lod.shadow", .vertex = "lod/sun.vert", .fragment = "lod/sun.frag"}};
+  gpu::Buffer cells;
+  gpu::Buffer depth;  // by texel, and which tiles are not empty
   uint64_t shadow_version = 0, casters_version = 0;  // of what `depth` holds
 
   void splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view);
@@ -74,7 +81,8 @@ Cells fit(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view) {
 
 void SunMap::splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view) {
   const Cells fitted = fit(state, view);
-  gpu::reserve(depth, "lod.sun_depth", 4 * static_cast<size_t>(view.size_px.x) * static_cast<size_t>(view.size_px.y));
+  const size_t texels = static_cast<size_t>(view.size_px.x) * static_cast<size_t>(view.size_px.y);
+  gpu::reserve(depth, "lod.sun_depth", 4 * (texels + tilesOf(view)));
   const bool lists = fitted.largest_texels > kLarge;
   gpu::reserve(cells, "lod.sun_cells", 4 * (size_t{fitted.count} + (lists ? 4 + 4 * kMostListed : 0)));
   depth.fill(0);
@@ -115,7 +123,7 @@ void draw(const SwarmsDrawn::State& state, SunMap& map) {
   if (!map.copy.use()) return;
   map.depth.bindStorage(rules::kSunDepthBinding);
   gpu::apply(shadowDrawState());
-  gpu::drawFullScreen();
+  gpu::drawVertexless(GL_TRIANGLES, 6 * static_cast<int>(tilesOf(shadow.block)));
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 layout(std430, binding = kSunDepthBinding) readonly buffer SunDepth { uint depth[]; };
 
 void main() {
-  ivec2 texel = ivec2(gl_FragCoord.xy), size = ivec2(shadow_view.size_px);
-  uint key = all(lessThan(texel, size)) ? depth[texel.y * size.x + texel.x] : 0u;
+  ivec2 texel = ivec2(gl_FragCoord.xy);
+  uint key = depth[texel.y * int(shadow_view.size_px.x) + texel.x];
   if (key == 0u) discard;
   gl_FragDepth = uintBitsToFloat(key);
 }

@@ -1,12 +1,14 @@
 // Discs into the map of the sun's depth; after lod/sun.glsl. Large ones are listed behind the cells, to be drawn by a
 // work group each: a single invocation would take too long, and software GL ends it after 65,535 rounds of its loops.
+#include "shared/tiles.h"
+
 layout(location = 3) uniform float large_texels;  // a larger radius is large
 layout(location = 4) uniform uint list_at;        // in `cells`: the dispatch's work groups, count, discs
 
 const uint kMostListed = 65535u;  // GL's least limit of work groups
 
 layout(std430, binding = kSunCellsBinding) buffer SunCells { uint cells[]; };
-layout(std430, binding = kSunDepthBinding) buffer SunDepth { uint depth[]; };
+layout(std430, binding = kSunDepthBinding) buffer SunDepth { uint depth[]; };  // by texel; then 1 for each tile that is touched
 
 // False if there is no room.
 bool list(Caster caster) {
@@ -31,6 +33,11 @@ Caster listed(uint at) {
   return caster;
 }
 
+void markTiles(ivec2 low, ivec2 high, ivec2 size) {
+  for (int y = low.y; y <= high.y; ++y)
+    for (int x = low.x; x <= high.x; ++x) depth[size.x * size.y + y * tileCount(size).x + x] = 1u;
+}
+
 // Every `step`th row, from `first` on.
 void drawDisc(Caster caster, int first, int step) {
   // Less than a texel wide it takes the one it is in.
@@ -38,6 +45,7 @@ void drawDisc(Caster caster, int first, int step) {
   ivec2 last = ivec2(shadow_view.size_px) - 1;
   ivec2 low = ivec2(max(ceil(caster.texel - reach - 0.5), vec2(0.0)));
   ivec2 high = ivec2(min(floor(caster.texel + reach - 0.5), vec2(last)));
+  if (first == 0) markTiles(low / kTilePx, high / kTilePx, last + 1);
   for (int y = low.y + first; y <= high.y; y += step)
     for (int x = low.x; x <= high.x; ++x) {
       vec2 off = vec2(x, y) + 0.5 - caster.texel;

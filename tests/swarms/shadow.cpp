@@ -132,6 +132,7 @@ struct Ground : SwarmScene {
 TEST_F(SwarmShadow, OfOneRadiusIsThatOfTheDiscs) {
   for (const float share : {1.0f, 0.6f}) {
     Ground ground;
+    ground.world.singleton<ShadowSettings>().side_texels = share < 1 ? 1000 : 1024;  // whole tiles or not
     ground.hang(ground.ball(share), acrossLight(9, 0.45, 0.2f, -1, 1));
     ground.expectDiscs("one radius", 4000);
   }
