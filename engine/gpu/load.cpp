@@ -58,6 +58,7 @@ Status loadFunctions(void (*(*get)(const char*))()) {
     l.software |= l.renderer.find(name) != std::string::npos;
   l.anisotropy = hasExtension("GL_EXT_texture_filter_anisotropic");
   l.texture_size = integer(GL_MAX_TEXTURE_SIZE);
+  glGetIntegerv(GL_MAX_VIEWPORT_DIMS, l.viewport_size);
   l.array_layers = integer(GL_MAX_ARRAY_TEXTURE_LAYERS);
   l.texture_units = integer(GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS);
   l.color_attachments = integer(GL_MAX_COLOR_ATTACHMENTS);

@@ -14,6 +14,7 @@ struct Limits {
   bool software = false;  // a CPU draws: texture filtering is dear there
   bool anisotropy = false;  // texture filtering can be anisotropic
   int texture_size = 0;   // texels along a side of a 2D texture
+  int viewport_size[2] = {0, 0};  // pixels
   int array_layers = 0;
   int texture_units = 0;  // of all stages together
   int color_attachments = 0;

@@ -4,6 +4,7 @@
 #include "engine/gpu/bound.h"
 #include "engine/gpu/counters.h"
 #include "engine/gpu/gl.h"
+#include "engine/gpu/load.h"
 
 namespace scree::gpu {
 namespace {
@@ -115,6 +116,18 @@ void setViewport(ivec2 size) {
 }
 Rect viewport() {
   return state().viewport;
+}
+
+float widenViewport() {
+  State& s = state();
+  const Rect& r = s.viewport;
+  if (2 * r.size.x > limits().viewport_size[0] || 2 * r.size.y > limits().viewport_size[1]) return 1;
+  s.viewport_known = false;
+  ++counters().state_changes;
+  // Its origin may lie between pixels.
+  const vec2 size(r.size), origin = vec2(r.origin) - size * 0.5f;
+  glViewportIndexedf(0, origin.x, origin.y, 2 * size.x, 2 * size.y);
+  return 0.5f;
 }
 
 void setScissor(const std::optional<Rect>& rect) {

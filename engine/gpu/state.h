@@ -57,6 +57,9 @@ struct Rect {
 void setViewport(const Rect& rect);
 void setViewport(ivec2 size);
 Rect viewport();
+// Until the next setViewport(): twice as wide and high, around the same middle, if GL can. Returns by how much to scale x
+// and y of positions for that, a power of two. What then lies beyond the picture need not be clipped, if not far.
+float widenViewport();
 void setScissor(const std::optional<Rect>& rect);  // nullopt: off
 
 // To be called after foreign code (an UI library's renderer) changed GL state behind our back: the

@@ -57,14 +57,18 @@ struct Impostors {
     // Numbers of grains are whole, and never blended.
     gpu::apply({.cull = gpu::Cull::None, .blend = counts ? gpu::Blend::Add : gpu::Blend::None, .program_point_size = true});
     tiles.bind();
+    // Where one vertex of many is clipped, llvmpipe takes all of them through a slower path.
+    const float guard = gpu::widenViewport();
     const auto draw = [&](gpu::Program& program, unsigned mode, uint32_t representation) {
       if (!swarms().mayBe(representation) || !program.use()) return;
+      program.set(0, guard);
       const size_t command =
           offsetof(rules::SwarmCommands, impostors) + (representation + first) * sizeof(rules::DrawArraysCommand);
       eachPart([&](const SwarmPart& part) { gpu::drawVertexlessIndirect(mode, *part.commands, command); });
     };
     draw(counts ? counting : visible, GL_TRIANGLES, rules::kImpostor);
     draw(counts ? small_counting : small, GL_POINTS, rules::kSmallImpostor);
+    gpu::setViewport(gpu::viewport());
   }
   void resolve(PassContext& context) {
     if (!(context.frame.isRead(kGbufferMotion) ? moving : still).use()) return;

@@ -4,6 +4,7 @@
 #include "lib/mark_tiles.glsl"
 #include "lib/swarm.glsl"
 #include "impostors/atlas.glsl"
+#include "impostors/guard.glsl"
 
 flat out vec4 middle_px;  // of the grain; of its ellipsoid
 flat out vec3 inside;     // of offsets from the latter, pixels: x^2, x y, y^2, summed up to 1
@@ -40,7 +41,7 @@ void main() {
   // A point whose middle is not in the picture would not be drawn: one at its border, as large, is.
   vec2 at = clamp(middle_px.zw, vec2(0.0), view.size_px);
   gl_PointSize = 2.0 * (max(reach.x, reach.y) + kMargin);
-  gl_Position = vec4((2.0 * at / view.size_px - 1.0) * along, view.near_m, along);
+  gl_Position = guarded(vec4((2.0 * at / view.size_px - 1.0) * along, view.near_m, along));
   bool shows = along > view.near_m && all(lessThan(abs(middle_px.zw - at), reach + kMargin)) && radius > 0.0;
-  if (!shows) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+  if (!shows) gl_Position = nowhere();
 }

@@ -3,6 +3,7 @@
 #include "lib/mark_tiles.glsl"
 #include "lib/swarm.glsl"
 #include "impostors/atlas.glsl"
+#include "impostors/guard.glsl"
 
 out vec3 on_disc;
 out vec3 point;        // grain's space
@@ -37,10 +38,10 @@ void main() {
   vec3 to_eye = toGrain(rotation, -center) * (1.0 / radius);
   EllipsoidCorner corner = ellipsoidCorner(ellipsoidSeenFrom(swarm.bound, to_eye), to_eye, discCorner(uint(gl_VertexID % 3)));
   on_disc = corner.on_disc;
-  gl_Position = view.clip_from_relative * vec4(center + rotateBy(rotation, corner.point) * radius, 1.0);
+  gl_Position = guarded(view.clip_from_relative * vec4(center + rotateBy(rotation, corner.point) * radius, 1.0));
   if (gl_VertexID % 3 == 0) markSphere(center, radius * max(swarm.bound.center.w, 1.0));
   // The eye is in the grain, or there is none.
-  if (!(dot(to_eye, to_eye) > 1.0 && radius > 0.0)) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+  if (!(dot(to_eye, to_eye) > 1.0 && radius > 0.0)) gl_Position = nowhere();
 
   ImpostorViews views = impostorViews(to_eye, atlas.edge);
   float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
