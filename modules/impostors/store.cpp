@@ -1,16 +1,19 @@
 // Atlases on the GPU.
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "engine/gpu/gl.h"
 #include "engine/gpu/objects.h"
 #include "modules/impostors/impostors.h"
 #include "shaders/shared/bindings.h"
+#include "shaders/shared/coverage.h"
 
 namespace scree {
 
 struct ImpostorStore::Entry {
   ImpostorAtlas atlas;
-  gpu::Texture shape, color, normal;
+  gpu::Texture coverage, shape, color, normal;
   gpu::Buffer block;
 
   gpu::Texture textureOf(const char* label, unsigned format, int channels, const std::vector<uint8_t>& bytes) const {
@@ -29,7 +32,27 @@ struct ImpostorStore::Entry {
     }
     return texture;
   }
+  // Of shared/coverage.h.
+  gpu::Texture packedCoverage() const {
+    const ivec2 size = rules::coverageSize(atlas.texels, atlas.views());
+    std::vector<uint32_t> words(static_cast<size_t>(size.x * size.y));
+    for (int level = 0; level < atlas.levels(); ++level)
+      for (int view = 0; view < atlas.views(); ++view) {
+        const int last = atlas.side(level) - 1;
+        const ivec2 base = rules::coverageBase(atlas.texels, view, level);
+        const uint8_t* from = atlas.shape.data() + 2 * atlas.offset(level, view);
+        const auto at = [&](int x, int y) { return uint32_t{from[2 * (std::min(y, last) * (last + 1) + std::min(x, last))]}; };
+        for (int y = 0; y <= last; ++y)
+          for (int x = 0; x <= last; ++x)
+            words[static_cast<size_t>((base.y + y) * size.x + base.x + x)] =
+                at(x, y) | at(x + 1, y) << 8 | at(x, y + 1) << 16 | at(x + 1, y + 1) << 24;
+      }
+    gpu::Texture texture("impostors.coverage", {.format = GL_R32UI, .size = size});
+    texture.upload(std::span<const uint32_t>(words), 1);
+    return texture;
+  }
   void upload() {
+    coverage = packedCoverage();
     shape = textureOf("impostors.shape", GL_RG8, 2, atlas.shape);
     color = textureOf("impostors.color", GL_RGBA8, 4, atlas.color);
     normal = textureOf("impostors.normal", GL_RGBA8, 4, atlas.normal);
@@ -59,6 +82,7 @@ void ImpostorStore::bind(uint32_t shape) {
   Entry& entry = *entries_.at(shape);
   if (!entry.block) entry.upload();
   entry.block.bindUniform(rules::kDrawBinding);
+  entry.coverage.bindImage(rules::kImpostorCoverageImage, GL_READ_ONLY);
   entry.shape.bind(rules::kImpostorShapeUnit);
   entry.color.bind(rules::kImpostorColorUnit);
   entry.normal.bind(rules::kImpostorNormalUnit);

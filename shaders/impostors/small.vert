@@ -5,11 +5,12 @@
 #include "lib/swarm.glsl"
 #include "impostors/atlas.glsl"
 #include "impostors/guard.glsl"
+#include "shared/coverage.h"
 
 flat out vec4 middle_px;  // of the grain; of its ellipsoid
 flat out vec3 inside;     // of offsets from the latter, pixels: x^2, x y, y^2, summed up to 1
-flat out vec4 uv_of_px;   // what a pixel along x, along y adds to texture coordinates
-flat out vec2 layer_level;
+flat out vec4 at_of_px;   // what a pixel along x, along y adds to the place in the view's image, coverageSteps()
+flat out vec3 from_steps; // coverageFrom(); coverageSteps()
 flat out uint number;     // over all that is drawn, + 1
 
 // Pixels to a side of the square that rounding may cost.
@@ -31,11 +32,12 @@ void main() {
   ImpostorViews views = impostorViews(toGrain(rotation, -center), atlas.edge);
   bool first = views.weight.x >= max(views.weight.y, views.weight.z), second = views.weight.y >= views.weight.z;
   ImpostorBasis basis = impostorBasis(first ? views.axis0 : second ? views.axis1 : views.axis2);
-  uv_of_px = vec4(dot(basis.right, image.along_x), dot(basis.up, image.along_x), dot(basis.right, image.along_y),
-                  dot(basis.up, image.along_y)) * atlas.half_over_extent;
   float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
-  layer_level = vec2(float(first ? views.layer0 : second ? views.layer1 : views.layer2),
-                     float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias)));
+  int level = impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias);
+  uint layer = first ? views.layer0 : second ? views.layer1 : views.layer2;
+  from_steps = vec3(coverageFrom(atlas.texels, int(layer), level), coverageSteps(atlas.texels, level));
+  at_of_px = vec4(dot(basis.right, image.along_x), dot(basis.up, image.along_x), dot(basis.right, image.along_y),
+                  dot(basis.up, image.along_y)) * atlas.half_over_extent * from_steps.z;
   number = swarm.first + grain + 1u;
 
   // A point whose middle is not in the picture would not be drawn: one at its border, as large, is.

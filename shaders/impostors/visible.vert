@@ -4,14 +4,16 @@
 #include "lib/swarm.glsl"
 #include "impostors/atlas.glsl"
 #include "impostors/guard.glsl"
+#include "shared/coverage.h"
 
 out vec3 on_disc;
 out vec3 point;        // grain's space
 flat out vec3 eye;     // grain's space
-flat out vec3 weight;
-flat out uvec3 layer;
-flat out vec3 right[3], up[3];  // a point's place in the views' images, from their middle
-flat out float level;
+flat out vec4 weight_steps;  // of the views; w: coverageSteps()
+// A point's place in the views' images, from their middle, in these steps; w: coverageFrom().
+flat out vec4 right0, up0, right1, up1, right2, up2;
+// Fragment programs of llvmpipe read these faster than uniforms.
+flat out vec3 proxy_center, proxy_diagonal, proxy_upper;
 flat out uint number;  // over all that is drawn, + 1
 
 // Pixels around which the box around the sphere may show.
@@ -27,6 +29,13 @@ void markSphere(vec3 center, float radius) {
   low /= mix(vec2(nearest), vec2(farthest), greaterThan(low, vec2(0.0)));
   high /= mix(vec2(farthest), vec2(nearest), greaterThan(high, vec2(0.0)));
   markTiles(ivec2((max(low, -1.0) + 1.0) * half_size) - 1, ivec2((min(high, 1.0) + 1.0) * half_size) + 1);
+}
+
+void setView(vec3 axis, uint layer, int level, float steps, out vec4 right, out vec4 up) {
+  ImpostorBasis basis = impostorBasis(axis);
+  vec2 from = coverageFrom(atlas.texels, int(layer), level);
+  right = vec4(basis.right * atlas.half_over_extent * steps, from.x);
+  up = vec4(basis.up * atlas.half_over_extent * steps, from.y);
 }
 
 void main() {
@@ -47,14 +56,14 @@ void main() {
   float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
   point = corner.point;
   eye = to_eye;
-  weight = views.weight;
-  layer = uvec3(views.layer0, views.layer1, views.layer2);
-  vec3 axis[3] = vec3[3](views.axis0, views.axis1, views.axis2);
-  for (int k = 0; k < 3; ++k) {
-    ImpostorBasis basis = impostorBasis(axis[k]);
-    right[k] = basis.right * atlas.half_over_extent;
-    up[k] = basis.up * atlas.half_over_extent;
-  }
-  level = float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias));
+  int level = impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias);
+  float steps = coverageSteps(atlas.texels, level);
+  weight_steps = vec4(views.weight, steps);
+  setView(views.axis0, views.layer0, level, steps, right0, up0);
+  setView(views.axis1, views.layer1, level, steps, right1, up1);
+  setView(views.axis2, views.layer2, level, steps, right2, up2);
+  proxy_center = atlas.proxy.center.xyz;
+  proxy_diagonal = atlas.proxy.diagonal.xyz;
+  proxy_upper = atlas.proxy.upper.xyz;
   number = swarm.first + grain + 1u;
 }

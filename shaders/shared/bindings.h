@@ -56,6 +56,7 @@ const int kPyramidUnit = 15;       // lib/occlusion.glsl; the last that every st
 
 // Image units.
 const int kPyramidImage = 0;       // and the two above: three levels of the depth pyramid
+const int kImpostorCoverageImage = 3;  // shared/coverage.h
 const int kOverdrawImage = 0;      // in points.count: shared/swarm_view.h
 
 // Vertex attributes of meshes (engine/assets/mesh_data.h); from kFirstFreeAttribute up: a module's own.

@@ -1,0 +1,44 @@
+// Where coverage of an atlas is, packed so that one fetch gives what bilinear reading takes: a word holds a texel, its right,
+// its upper and its upper right neighbour, from the lowest byte up; beyond the edge all is the edge's.
+//
+// One flat texture of one level. Each view has a place of 3/2 p x p in it: on the left its finest level, right of that the
+// others, one above the other. Views stand in columns as high as a texture may be everywhere.
+#pragma once
+#include "shared/prelude.h"
+RULES_BEGIN
+
+const int kCoverageMostHeight = 16384;
+
+RULE int coverageRows(int p) { return kCoverageMostHeight / p; }
+RULE ivec2 coverageSize(int p, int views) {
+  int rows = coverageRows(p);
+  return ivec2((views + rows - 1) / rows * (p + p / 2), (views < rows ? views : rows) * p);
+}
+// Lower left texel of a level of a view.
+RULE ivec2 coverageBase(int p, int view, int level) {
+  int rows = coverageRows(p);
+  ivec2 base = ivec2(view / rows * (p + p / 2), view % rows * p);
+  return level == 0 ? base : base + ivec2(p, p - (p >> (level - 1)));
+}
+
+// Reading counts in 256ths of a texel, as texture units do. These bits, of a float that is added to such a number, leave
+// that in its lowest bits, rounded to even.
+const float kCoverageBits = 8388608.0f;
+// 256ths of a texel in a level: what texture coordinates are multiplied by.
+RULE float coverageSteps(int p, int level) { return float((p >> level) * 256); }
+// What is added to them, times the above, after clamping.
+RULE vec2 coverageFrom(int p, int view, int level) {
+  ivec2 base = coverageBase(p, view, level);
+  return vec2(float(base.x), float(base.y)) * 256.0f + vec2(kCoverageBits - 128.0f, kCoverageBits - 128.0f);
+}
+
+// Between the four values of a word; `part`: 256ths of the way to the right and up. In [0, 255], rounded after each step.
+RULE uint coverageBetween(uint word, uvec2 part) {
+  // Two at a time: none of the sums leaves its 16 bits.
+  uint left = word & 0xff00ffu, right = word >> 8u & 0xff00ffu;
+  uint both = ((left << 8u) + (right - left) * part.x + 0x800080u) >> 8u & 0xff00ffu;
+  uint low = both & 0xffffu, high = both >> 16u;
+  return ((low << 8u) + (high - low) * part.y + 128u) >> 8u;
+}
+
+RULES_END
