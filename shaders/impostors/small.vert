@@ -10,7 +10,7 @@
 flat out vec4 middle_px;  // of the grain; of its ellipsoid
 flat out vec3 inside;     // of offsets from the latter, pixels: x^2, x y, y^2, summed up to 1
 flat out vec4 at_of_px;   // what a pixel along x, along y adds to the place in the view's image, coverageSteps()
-flat out vec3 from_steps; // coverageFrom(); coverageSteps()
+flat out vec3 from_steps;  // coverageFrom(); coverageSteps()
 flat out uint number;     // over all that is drawn, + 1
 
 // Pixels to a side of the square that rounding may cost.

@@ -7,6 +7,7 @@
 #include "engine/gpu/debug.h"
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
+#include "engine/gpu/load.h"
 #include "engine/gpu/program.h"
 #include "engine/gpu/readback.h"
 #include "engine/gpu/state.h"
@@ -90,6 +91,24 @@ TEST_F(DrawTest, ClearsIgnoreMasksAndScissorAndRestoreThem) {
   drawFullScreen();
   EXPECT_EQ(readFloats(color, 1), (std::vector<float>{0.5f, 3, 3, 3}));
   EXPECT_EQ(readFloats(depth, 1), std::vector<float>(4, 0.125f));
+}
+
+TEST_F(DrawTest, AWidenedViewportHasTheSameMiddle) {
+  const auto seen = [] {
+    vec4 rect(0);
+    glGetFloatv(GL_VIEWPORT, &rect.x);
+    return rect;
+  };
+  setViewport({7, 4});
+  EXPECT_EQ(widenViewport(), 0.5f);
+  EXPECT_EQ(seen(), vec4(-3.5f, -2, 14, 8));
+  EXPECT_EQ(viewport(), (Rect{{0, 0}, {7, 4}}));
+  setViewport(viewport());
+  EXPECT_EQ(seen(), vec4(0, 0, 7, 4));
+  // As large as GL can: it stays.
+  setViewport({limits().viewport_size[0], 4});
+  EXPECT_EQ(widenViewport(), 1.0f);
+  EXPECT_EQ(seen(), vec4(0, 0, limits().viewport_size[0], 4));
 }
 
 TEST_F(DrawTest, StateThatIsSetAlreadyIsSkipped) {
