@@ -12,6 +12,21 @@ in vec3 ray;
 // By how much rasterised and computed depths of the disc may differ.
 const float kDiscMargin = 1e-5;
 
+// What the views say, weighted and summed up.
+struct Seen {
+  vec4 color, normal;
+  float step, sum;
+};
+Seen seenBy(ImpostorRay local, vec3 seen, vec3 axis, uint layer, float weight, float shape_level, float level) {
+  vec3 at = vec3(impostorUv(seen, axis, atlas.extent), float(layer));
+  vec2 shape = textureLod(atlas_shape, at, shape_level).rg;
+  float w = max(weight * shape.r, 1e-6);
+  vec4 c = textureLod(atlas_color, at, level), n = textureLod(atlas_normal, at, level);
+  vec3 there = impostorStep(local, seen, axis, impostorHeightFromCode(shape.g));
+  return Seen(w * vec4(albedoFromCode(c.rgb), c.a), w * vec4(impostorNormalFromCode(n.xyz), n.w),
+              w * dot(there - seen, local.direction), w);
+}
+
 void main() {
   uint number = texelFetch(visible_grains, ivec2(gl_FragCoord.xy), 0).r;
   uint grain = number - 1u - swarm.first;
@@ -33,22 +48,12 @@ void main() {
   float level = float(impostorLevel(atlas.texels, diameter_px, kImpostorColorBias));
   float shape_level = float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias));
 
-  uvec3 layer = uvec3(views.layer0, views.layer1, views.layer2);
-  vec3 axis[3] = vec3[3](views.axis0, views.axis1, views.axis2);
-  vec4 color = vec4(0.0), normal = vec4(0.0);
-  float sum = 0.0, step = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    vec3 at = vec3(impostorUv(seen, axis[k], atlas.extent), float(layer[k]));
-    vec2 shape = textureLod(atlas_shape, at, shape_level).rg;
-    float w = max(views.weight[k] * shape.r, 1e-6);
-    vec4 c = textureLod(atlas_color, at, level);
-    color += w * vec4(albedoFromCode(c.rgb), c.a);
-    vec4 n = textureLod(atlas_normal, at, level);
-    normal += w * vec4(impostorNormalFromCode(n.xyz), n.w);
-    vec3 there = impostorStep(local, seen, axis[k], impostorHeightFromCode(shape.g));
-    step += w * dot(there - seen, local.direction);
-    sum += w;
-  }
+  // In a loop their axes would be read from memory, by llvmpipe.
+  Seen seen0 = seenBy(local, seen, views.axis0, views.layer0, views.weight.x, shape_level, level);
+  Seen seen1 = seenBy(local, seen, views.axis1, views.layer1, views.weight.y, shape_level, level);
+  Seen seen2 = seenBy(local, seen, views.axis2, views.layer2, views.weight.z, shape_level, level);
+  vec4 color = seen0.color + seen1.color + seen2.color, normal = seen0.normal + seen1.normal + seen2.normal;
+  float sum = seen0.sum + seen1.sum + seen2.sum, step = seen0.step + seen1.step + seen2.step;
   float share = 1.0 / sum;
   // On the ray, in units of it: at the surface, and where visibility was decided, behind which nothing is put.
   vec3 surface = seen + local.direction * (step * share);
