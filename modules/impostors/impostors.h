@@ -42,8 +42,10 @@ class ImpostorStore {
   void set(uint32_t shape, ImpostorAtlas atlas);
   // Null: the shape has none.
   const ImpostorAtlas* find(uint32_t shape) const;
-  // Binds the shape's textures and constants for shaders/impostors/atlas.glsl; uploads them at the first call.
+  // Binds the shape's constants and images for shaders/impostors; uploads them at the first call.
   void bind(uint32_t shape);
+  // Also the textures that they were packed from, for programs that are compared with those.
+  void bindTextures(uint32_t shape);
 
  private:
   struct Entry;

@@ -2,10 +2,9 @@
 #include "lib/gbuffer.glsl"
 #include "lib/swarm.glsl"
 #include "impostors/atlas.glsl"
+#include "impostors/surface.glsl"
 
 layout(binding = kPassTextureUnit) uniform usampler2D visible_grains;
-layout(binding = kImpostorColorUnit) uniform sampler2DArray atlas_color;
-layout(binding = kImpostorNormalUnit) uniform sampler2DArray atlas_normal;
 
 in vec3 ray;
 
@@ -17,11 +16,14 @@ struct Seen {
   vec4 color, normal;
   float step, sum;
 };
-Seen seenBy(ImpostorRay local, vec3 seen, vec3 axis, uint layer, float weight, float shape_level, float level) {
-  vec3 at = vec3(impostorUv(seen, axis, atlas.extent), float(layer));
-  vec2 shape = textureLod(atlas_shape, at, shape_level).rg;
+Seen seenBy(ImpostorRay local, vec3 seen, vec3 axis, uint layer, float weight, int shape_level, int level) {
+  vec2 uv = impostorUv(seen, axis, atlas.extent);
+  float steps = coverageSteps(atlas.texels, shape_level);
+  vec2 shape = shapeAt(uv * steps, steps, coverageFrom(atlas.texels, int(layer), shape_level));
+  steps = coverageSteps(atlas.texels, level);
+  AtlasSurface surface = surfaceAt(uv * steps, steps, coverageFrom(atlas.texels, int(layer), level));
+  vec4 c = surface.color, n = surface.normal;
   float w = max(weight * shape.r, 1e-6);
-  vec4 c = textureLod(atlas_color, at, level), n = textureLod(atlas_normal, at, level);
   vec3 there = impostorStep(local, seen, axis, impostorHeightFromCode(shape.g));
   return Seen(w * vec4(albedoFromCode(c.rgb), c.a), w * vec4(impostorNormalFromCode(n.xyz), n.w),
               w * dot(there - seen, local.direction), w);
@@ -45,8 +47,8 @@ void main() {
   vec3 seen = impostorOnProxy(local, atlas.proxy);
   ImpostorViews views = impostorViews(toGrain(rotation, -center), atlas.edge);
   float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
-  float level = float(impostorLevel(atlas.texels, diameter_px, kImpostorColorBias));
-  float shape_level = float(impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias));
+  int level = impostorLevel(atlas.texels, diameter_px, kImpostorColorBias);
+  int shape_level = impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias);
 
   // In a loop their axes would be read from memory, by llvmpipe.
   Seen seen0 = seenBy(local, seen, views.axis0, views.layer0, views.weight.x, shape_level, level);

@@ -1,12 +1,18 @@
-// Where coverage of an atlas is, packed so that one fetch gives what bilinear reading takes: a word holds a texel, its right,
-// its upper and its upper right neighbour, from the lowest byte up; beyond the edge all is the edge's.
+// Where an atlas is, packed for programs that read it with image loads. Of coverage and heights a word holds a texel, its
+// right, its upper and its upper right neighbour, from the lowest byte up, so that one fetch gives what bilinear reading
+// takes; beyond the edge all is the edge's. Of color and normal it holds the four bytes of a texel.
 //
-// One flat texture of one level. Each view has a place of 3/2 p x p in it: on the left its finest level, right of that the
+// Flat textures of one level. Each view has a place of 3/2 p x p in it: on the left its finest level, right of that the
 // others, one above the other. Views stand in columns as high as a texture may be everywhere.
 #pragma once
 #include "shared/prelude.h"
 RULES_BEGIN
 
+// Image units, after kImpostorCoverageImage.
+const int kImpostorHeightImage = 4;
+const int kImpostorSurfaceImage = 5;  // of two words: color, normal
+
+// p is a power of two, and this too.
 const int kCoverageMostHeight = 16384;
 
 RULE int coverageRows(int p) { return kCoverageMostHeight / p; }
@@ -16,9 +22,9 @@ RULE ivec2 coverageSize(int p, int views) {
 }
 // Lower left texel of a level of a view.
 RULE ivec2 coverageBase(int p, int view, int level) {
-  int rows = coverageRows(p);
-  ivec2 base = ivec2(view / rows * (p + p / 2), view % rows * p);
-  return level == 0 ? base : base + ivec2(p, p - (p >> (level - 1)));
+  int at = view * p;
+  ivec2 base = ivec2((at >> 14) * (p + (p >> 1)), at & (kCoverageMostHeight - 1));
+  return level == 0 ? base : base + ivec2(p, p - (2 * p >> level));
 }
 
 // Reading counts in 256ths of a texel, as texture units do. These bits, of a float that is added to such a number, leave
@@ -39,6 +45,18 @@ RULE uint coverageBetween(uint word, uvec2 part) {
   uint both = ((left << 8u) + (right - left) * part.x + 0x800080u) >> 8u & 0xff00ffu;
   uint low = both & 0xffffu, high = both >> 16u;
   return ((low << 8u) + (high - low) * part.y + 128u) >> 8u;
+}
+
+// The same of each byte of four words, those of a texel and its neighbours as above.
+RULE uint coverageHalfway(uint a, uint b, uint part) { return ((a << 8u) + (b - a) * part + 0x800080u) >> 8u & 0xff00ffu; }
+RULE uint coverageAcross(uint a, uint b, uint c, uint d, uvec2 part) {
+  return coverageHalfway(coverageHalfway(a, b, part.x), coverageHalfway(c, d, part.x), part.y);
+}
+// In [0, 1].
+RULE vec4 coverageBytes(uint word, uint right, uint upper, uint both, uvec2 part) {
+  uint even = coverageAcross(word & 0xff00ffu, right & 0xff00ffu, upper & 0xff00ffu, both & 0xff00ffu, part);
+  uint odd = coverageAcross(word >> 8u & 0xff00ffu, right >> 8u & 0xff00ffu, upper >> 8u & 0xff00ffu, both >> 8u & 0xff00ffu, part);
+  return vec4(float(even & 0xffffu), float(odd & 0xffffu), float(even >> 16u), float(odd >> 16u)) * (1.0f / 255.0f);
 }
 
 RULES_END

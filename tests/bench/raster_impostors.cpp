@@ -49,7 +49,7 @@ void addRasterImpostors(HeapScene& scene, const Heap& heap, const std::filesyste
                        sprites->blocks.beginFrame();
                        sprites->blocks.write(block).bindUniform(rules::kPassBinding);
                        sprites->records.bindStorage(rules::kSwarmRecordsBinding);
-                       scene.world.singleton<ImpostorStore>().bind(scene.shape);
+                       scene.world.singleton<ImpostorStore>().bindTextures(scene.shape);
                        gpu::apply({.cull = gpu::Cull::None, .program_point_size = true});
                        gpu::drawVertexless(GL_POINTS, sprites->count);
                      }});

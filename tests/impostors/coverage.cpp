@@ -62,26 +62,35 @@ TEST(ImpostorCoverage, BetweenIsBilinear) {
 class ImpostorCoverageGpu : public test::GlTest {};
 
 constexpr const char* kProgram = R"(#include "impostors/atlas.glsl"
-#include "impostors/coverage.glsl"
+#include "impostors/surface.glsl"
+layout(binding = kImpostorColorUnit) uniform sampler2DArray atlas_color;
+layout(binding = kImpostorNormalUnit) uniform sampler2DArray atlas_normal;
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer In { vec4 cases[]; };
-layout(std430, binding = 1) buffer Out { vec2 values[]; };
+layout(std430, binding = 1) buffer Out { vec4 values[]; };
+float most(vec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 void main() {
   uint k = gl_GlobalInvocationID.x;
   if (k >= uint(cases.length())) return;
   vec4 c = cases[k];
   float steps = coverageSteps(atlas.texels, int(c.w));
-  values[k] = vec2(coverageAt(c.xy * steps, steps, coverageFrom(atlas.texels, int(c.z), int(c.w))),
-                   textureLod(atlas_shape, c.xyz, c.w).r);
+  vec2 from = coverageFrom(atlas.texels, int(c.z), int(c.w)), shape = textureLod(atlas_shape, c.xyz, c.w).rg;
+  AtlasSurface surface = surfaceAt(c.xy * steps, steps, from);
+  vec4 off_color = abs(surface.color - textureLod(atlas_color, c.xyz, c.w));
+  vec4 off_normal = abs(surface.normal - textureLod(atlas_normal, c.xyz, c.w));
+  vec2 off_shape = abs(shapeAt(c.xy * steps, steps, from) - shape);
+  values[k] = vec4(coverageAt(c.xy * steps, steps, from), shape.r, max(off_shape.x, off_shape.y), max(most(off_color), most(off_normal)));
 }
 )";
 
 TEST_F(ImpostorCoverageGpu, IsWhatTextureUnitsRead) {
   ImpostorAtlas atlas{.edge = 4, .texels = 32};
   const uint64_t texels = atlas.texelCount();
-  atlas.color.resize(4 * texels);
-  atlas.normal.resize(4 * texels);
   // Neighbours as unlike as can be.
+  for (uint64_t k = 0; k < 4 * texels; ++k) {
+    atlas.color.push_back(static_cast<uint8_t>(randomUnit(8, k, 1, 0) * 256));
+    atlas.normal.push_back(static_cast<uint8_t>(randomUnit(8, k, 2, 0) * 256));
+  }
   for (uint64_t k = 0; k < 2 * texels; ++k) atlas.shape.push_back(static_cast<uint8_t>(randomUnit(8, k, 0, 0) * 256));
   std::vector<vec4> cases;
   for (uint64_t k = 0; k < 100'000; ++k) {
@@ -92,7 +101,7 @@ TEST_F(ImpostorCoverageGpu, IsWhatTextureUnitsRead) {
   }
   ImpostorStore store;
   store.set(0, atlas);
-  store.bind(0);
+  store.bindTextures(0);
   test::ShaderFolder root;
   std::filesystem::copy(std::string(SCREE_SOURCE_DIR) + "/shaders", root.path(),
                         std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
@@ -101,23 +110,28 @@ TEST_F(ImpostorCoverageGpu, IsWhatTextureUnitsRead) {
   const Status compiled = program.compile();
   ASSERT_TRUE(compiled.ok()) << compiled.error();
   ASSERT_TRUE(program.use());
-  gpu::Buffer in("test.cases", std::span<const vec4>(cases)), out("test.values", cases.size() * sizeof(vec2));
+  gpu::Buffer in("test.cases", std::span<const vec4>(cases)), out("test.values", cases.size() * sizeof(vec4));
   out.fill(0);
   in.bindStorage(0);
   out.bindStorage(1);
   gpu::dispatchItems(cases.size(), 64);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  const auto read = gpu::readBuffer<vec2>(out, cases.size());
+  const auto read = gpu::readBuffer<vec4>(out, cases.size());
   size_t same = 0;
+  float worst = 0;
   for (size_t k = 0; k < cases.size(); ++k) {
     const vec4 c = cases[k];
     const float expected = sampleShape(atlas, static_cast<int>(c.w), static_cast<int>(c.z), vec2(c)).x;
     // The place is rounded to 1/256 of a texel along both axes, and each of two steps to 1/255.
     ASSERT_NEAR(read[k].x, expected, 2.1f / 255) << c.x << " " << c.y << " view " << c.z << " level " << c.w;
     ASSERT_NEAR(read[k].y, expected, 2.1f / 255) << "texture unit";
+    // Each of both within that.
+    ASSERT_LE(read[k].z, 4.2f / 255) << "coverage and height";
+    ASSERT_LE(read[k].w, 4.2f / 255) << "color and normal";
+    worst = std::max({worst, read[k].z, read[k].w});
     same += read[k].x == read[k].y;
   }
-  std::printf("%zu of %zu as the texture unit reads them, to the bit\n", same, cases.size());
+  std::printf("%zu of %zu as the texture unit reads them, to the bit; most of all that is read %.2f steps off\n", same, cases.size(), worst * 255);
 }
 
 }  // namespace
