@@ -33,7 +33,7 @@ struct Impostors {
   }
   static gpu::Program resolveProgram(std::vector<std::string> defines) {
     return gpu::Program({.name = defines.empty() ? "impostors.resolve" : "impostors.resolve_motion",
-                         .vertex = "lib/tiles.vert",
+                         .vertex = "impostors/resolve.vert",
                          .fragment = "impostors/resolve.frag",
                          .defines = std::move(defines)});
   }

@@ -7,6 +7,13 @@
 layout(binding = kPassTextureUnit) uniform usampler2D visible_grains;
 
 in vec3 ray;
+// Of resolve.vert.
+flat in vec4 swarm_origin;
+flat in uvec4 swarm_numbers;
+flat in vec3 proxy_center, proxy_diagonal, proxy_upper;
+flat in ivec2 edge_texels;
+flat in vec3 half_pixels_near;
+flat in vec3 forward;
 
 // By how much rasterised and computed depths of the disc may differ.
 const float kDiscMargin = 1e-5;
@@ -17,11 +24,12 @@ struct Seen {
   float step, sum;
 };
 Seen seenBy(ImpostorRay local, vec3 seen, vec3 axis, uint layer, float weight, int shape_level, int level) {
-  vec2 uv = impostorUv(seen, axis, atlas.extent);
-  float steps = coverageSteps(atlas.texels, shape_level);
-  vec2 shape = shapeAt(uv * steps, steps, coverageFrom(atlas.texels, int(layer), shape_level));
-  steps = coverageSteps(atlas.texels, level);
-  AtlasSurface surface = surfaceAt(uv * steps, steps, coverageFrom(atlas.texels, int(layer), level));
+  ImpostorBasis basis = impostorBasis(axis);
+  vec2 uv = vec2(dot(seen, basis.right), dot(seen, basis.up)) * half_pixels_near.x + 0.5;
+  float steps = coverageSteps(edge_texels.y, shape_level);
+  vec2 shape = shapeAt(uv * steps, steps, coverageFrom(edge_texels.y, int(layer), shape_level));
+  steps = coverageSteps(edge_texels.y, level);
+  AtlasSurface surface = surfaceAt(uv * steps, steps, coverageFrom(edge_texels.y, int(layer), level));
   vec4 c = surface.color, n = surface.normal;
   float w = max(weight * shape.r, 1e-6);
   vec3 there = impostorStep(local, seen, axis, impostorHeightFromCode(shape.g));
@@ -31,24 +39,24 @@ Seen seenBy(ImpostorRay local, vec3 seen, vec3 axis, uint layer, float weight, i
 
 void main() {
   uint number = texelFetch(visible_grains, ivec2(gl_FragCoord.xy), 0).r;
-  uint grain = number - 1u - swarm.first;
-  if (number == 0u || grain >= swarm.count) discard;
+  uint grain = number - 1u - swarm_numbers.x;
+  if (number == 0u || grain >= swarm_numbers.y) discard;
   uint route = representations[grain / 8u] >> 4u * (grain & 7u) & (kFirst - 1u);
   if (route != kImpostor && route != kSmallImpostor) discard;
   SwarmRecord record = records[grain];
-  vec3 center = centerOf(record);
-  float radius = radiusOf(record), scale = 1.0 / radius;
+  vec3 center = swarm_origin.xyz + vec3(record.x, record.y, record.z);
+  float radius = radiusOf(record.size, swarm_origin.w), scale = 1.0 / radius;
   vec4 rotation = unpackRotation(record.rotation);
   float inverse = 1.0 / dot(ray, ray);
   // The point of the ray that is nearest to the centre.
   ImpostorRay local;
   local.foot = toGrain(rotation, ray * (dot(center, ray) * inverse) - center) * scale;
   local.direction = toGrain(rotation, ray * sqrt(inverse));
-  vec3 seen = impostorOnProxy(local, atlas.proxy);
-  ImpostorViews views = impostorViews(toGrain(rotation, -center), atlas.edge);
-  float diameter_px = 2.0 * sizePx(radius, length(center), view.pixels_at_1m);
-  int level = impostorLevel(atlas.texels, diameter_px, kImpostorColorBias);
-  int shape_level = impostorLevel(atlas.texels, diameter_px, kImpostorShapeBias);
+  vec3 seen = impostorOnProxy(local, ImpostorProxy(vec4(proxy_center, 0.0), vec4(proxy_diagonal, 0.0), vec4(proxy_upper, 0.0)));
+  ImpostorViews views = impostorViews(toGrain(rotation, -center), edge_texels.x);
+  float diameter_px = 2.0 * sizePx(radius, length(center), half_pixels_near.y);
+  int level = impostorLevel(edge_texels.y, diameter_px, kImpostorColorBias);
+  int shape_level = impostorLevel(edge_texels.y, diameter_px, kImpostorShapeBias);
 
   // In a loop their axes would be read from memory, by llvmpipe.
   Seen seen0 = seenBy(local, seen, views.axis0, views.layer0, views.weight.x, shape_level, level);
@@ -61,10 +69,10 @@ void main() {
   vec3 surface = seen + local.direction * (step * share);
   float along = dot(center, ray) * inverse + dot(surface - local.foot, local.direction) * radius * sqrt(inverse);
   float distance2 = dot(center, center);
-  float disc = route == kSmallImpostor ? (view.clip_from_relative * vec4(center, 1.0)).w
+  float disc = route == kSmallImpostor ? dot(forward, center)
                                        : (distance2 - radius * radius) / dot(ray, center);
-  along = clamp(along, view.near_m, disc * (1.0 - kDiscMargin));
-  gl_FragDepth = view.near_m / along;
+  along = clamp(along, half_pixels_near.z, disc * (1.0 - kDiscMargin));
+  gl_FragDepth = half_pixels_near.z / along;
 
   Surface s;
   s.albedo = color.rgb * share * tintOf(record.look);
@@ -78,6 +86,6 @@ void main() {
 #else
   s.motion_px = vec2(0.0);
 #endif
-  s.id = idOf(grain);
+  s.id = swarm_numbers.z + grain * swarm_numbers.w;
   writeGbuffer(s);
 }
