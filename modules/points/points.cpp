@@ -19,7 +19,7 @@ namespace scree {
 namespace {
 
 constexpr const char *kKeys = "points.keys", *kSums = "points.sums", *kTiles = "points.tiles";
-constexpr int kSurface = 0, kFacing = 1, kLeastArea = 2, kRadius = 3;  // uniform locations
+constexpr int kSurface = 0, kFacing = 1, kLeastArea = 2, kRadius = 3, kOuterRadius = 4;  // uniform locations
 void dispatch(const SwarmPart& part) {
   gpu::dispatchIndirect(*part.commands, offsetof(rules::SwarmCommands, point_groups));
 }
@@ -124,13 +124,15 @@ void resolve(Points& points, unsigned features) {
   const GrainShape& shape = points.shape(0);
   program.set(kSurface, vec2(shape.roughness, shape.metallic));
   program.set(kLeastArea, kLeastShare);
-  float radius = 0, facing = 0;
+  float radius = 0, outer_radius = 0, facing = 0;
   const size_t parts = points.swarms().size();
   for (size_t k = 0; k < parts; ++k) {
     radius = std::max(radius, points.swarms().part(k).largest_radius * points.shape(k).cast_share);
+    outer_radius = std::max(outer_radius, points.swarms().part(k).largest_radius);
     facing += points.shape(k).facing / static_cast<float>(parts);
   }
   program.set(kRadius, radius);
+  program.set(kOuterRadius, outer_radius);
   program.set(kFacing, facing);
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.sums.bindStorage(rules::kPointSumsBinding);

@@ -17,6 +17,7 @@ layout(location = 0) uniform vec2 surface;      // roughness, metalness
 layout(location = 1) uniform float facing;      // mean cosine between a face of the grains and its normals
 layout(location = 2) uniform float least_area;  // share of a pixel
 layout(location = 3) uniform float radius;      // of the largest point, m
+layout(location = 4) uniform float outer_radius;  // of the largest grain, m
 
 in vec3 ray;
 
@@ -79,7 +80,15 @@ void main() {
   if (key == 0u || (lone && !shows && area < kLoneArea)) discard;
   float foremost = uintBitsToFloat(key);
   vec2 change = changeAround(pixel, foremost);
-  float inverse = middleInverse(foremost, change, radius * view.pixels_at_1m * foremost);
+  float radius_px = radius * view.pixels_at_1m * foremost;
+  float inverse = middleInverse(foremost, change, radius_px);
+  vec3 to_eye = -normalize(ray), up = surfaceNormal(foremost, change);
+  float steepness = lone ? 0.0 : bedSteepness(dot(to_eye, up), kBedPacking * min(area, 1.0));
+  if (!lone) {
+    float along = 1.0 / inverse, band = pointBand(outer_radius, along / view.pixels_at_1m);
+    float packing = 4.0 / 3.0 * radius * area / max(band - (along - 1.0 / foremost), radius);
+    inverse = 1.0 / (along + radius * bedShadowDepth(packing, pointsAPixel(radius_px)));
+  }
   gl_FragDepth = min(view.near_m * inverse, 1.0);
 
   Surface s;
@@ -91,9 +100,7 @@ void main() {
   vec2 look = surface;
 #endif
   s.metallic = look.y;
-  vec3 to_eye = -normalize(ray);
-  vec3 up = surfaceNormal(foremost, change);
-  vec3 shares = bedShares(bedSteepness(dot(to_eye, up), lone ? 0.0 : kBedPacking * min(area, 1.0)));
+  vec3 shares = bedShares(steepness);
   s.normal_ws = bedMeanNormal(to_eye, up, shares);
   s.spread = 1.0 - facing * length(s.normal_ws);
   s.roughness = look.x;

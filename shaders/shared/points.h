@@ -48,8 +48,9 @@ RULE float pointBand(float radius, float pixel_m) { return 2.5f * radius + pixel
 // 1 / distance of the surface in the middle of a pixel, from that of its foremost point: where the surface recedes
 // within the pixel, the foremost of many points lies near its nearest edge, which shadows fall behind. Of n at random
 // on [0, 1] the greatest is n / (n + 1) in the mean. `change`: from pixel to pixel; n: as many as fill the pixel.
+RULE float pointsAPixel(float radius_px) { return max(1.0f / (3.14159265f * radius_px * radius_px), 1.0f); }
 RULE float middleInverse(float foremost, vec2 change, float radius_px) {
-  float n = max(1.0f / (3.14159265f * radius_px * radius_px), 1.0f);
+  float n = pointsAPixel(radius_px);
   float nearer = 0.5f * (n - 1.0f) / (n + 1.0f) * (abs(change.x) + abs(change.y));
   return max(foremost - nearer, 0.5f * foremost);
 }

@@ -61,8 +61,7 @@ TEST(ImpostorCoverage, BetweenIsBilinear) {
 
 class ImpostorCoverageGpu : public test::GlTest {};
 
-constexpr const char* kProgram = R"(#include "impostors/atlas.glsl"
-#include "impostors/surface.glsl"
+constexpr const char* kProgram = "#include \"impostors/atlas.glsl\"\n" R"(#include "impostors/surface.glsl"
 layout(binding = kImpostorColorUnit) uniform sampler2DArray atlas_color;
 layout(binding = kImpostorNormalUnit) uniform sampler2DArray atlas_normal;
 layout(local_size_x = 64) in;
