@@ -178,8 +178,8 @@ double meanShadowRadius(double surface);
 // simplified; the edges of several parts stay as they are. Sets levels; outer_radius must be set. Refuses more than
 // rules::kMeshParts parts, and a mesh without a triangle.
 Status addLevels(MeshStore& meshes, GrainShape& shape, std::span<const MeshData> parts);
-// Sets albedo, roughness and metallic to their means over the mesh, and cast_share: the mean shadow of a convex
-// body is a quarter of its surface (Cauchy).
+// Sets albedo, roughness, metallic and facing to their means over the mesh, and cast_share: the mean shadow of a
+// convex body is a quarter of its surface (Cauchy).
 void setMeanLook(const MaterialStore& materials, GrainShape& shape, std::span<const MeshData> parts);
 
 // ---- For modules that draw grains --------------------------------------------------------------
