@@ -32,66 +32,63 @@ void bindPart(const Part& part, const gpu::StreamSlice& block) {
   part.routes->commands.bindStorage(rules::kSwarmCommandsBinding);
 }
 
-enum class Lists { First, Late };
-
 void dispatch(const Part& part, size_t groups) { gpu::dispatchIndirect(part.routes->commands, groups); }
 
-// Counts, prefix sums, commands, lists. A frame whose first counts find nothing to list, or leave no rest, makes no
-// lists of that.
+constexpr size_t kWalkedGroups = offsetof(rules::SwarmCommands, walked_groups), kFirstGroups = offsetof(rules::SwarmCommands, first_groups),
+                 kLateGroups = offsetof(rules::SwarmCommands, late_groups);
+constexpr GLbitfield kWalkedBarrier = GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT;
+
+// Prefix sums of the runs' counts, commands, lists. A frame whose first counts find nothing to list, or leave no rest,
+// makes no lists of that.
 struct ListPrograms {
-  gpu::Program count, commands;
+  gpu::Program commands;
   gpu::Program prefix = program("lod.prefix"), list = program("lod.list");
 
-  ListPrograms(gpu::Program count_in, gpu::Program commands_in)
-      : count(std::move(count_in)), commands(std::move(commands_in)) {}
-
-  void run(const Part& part, Lists lists) {
+  void run(const Part& part, size_t list_groups) {
     static_assert(kGroup == rules::kBlockRuns);  // one number of groups for a run an invocation and a block a group
-    constexpr size_t kFirstGroups = offsetof(rules::SwarmCommands, first_groups), kLateGroups = offsetof(rules::SwarmCommands, late_groups);
-    const auto countStep = [&] {
-      if (lists == Lists::Late)
-        dispatch(part, kLateGroups);
-      else
-        gpu::dispatchItems(part.runs, kGroup);
-      gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    };
-    bindPart(part, lists == Lists::Late ? part.late : part.early);
-    if (!count.use()) return;
-    countStep();
+    gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
     if (!prefix.use()) return;
-    countStep();
+    if (list_groups == kLateGroups)
+      dispatch(part, kLateGroups);
+    else
+      gpu::dispatchItems(part.runs, kGroup);
+    gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
     if (!commands.use()) return;
     gpu::dispatch(1);
-    gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-    if (!list.use()) return;
-    dispatch(part, lists == Lists::Late ? kLateGroups : kFirstGroups);
+    gpu::barrier(kWalkedBarrier);
+    if (list.use()) dispatch(part, list_groups);
   }
 };
 
 }  // namespace
 
 PassDesc classifyPass(const SharedState& state) {
-  const auto classify = std::make_shared<gpu::Program>(program("lod.classify"));
+  const auto runs = std::make_shared<gpu::Program>(program("lod.runs"));
+  const auto grains = std::make_shared<gpu::Program>(program("lod.classify"));
   return {.name = "lod.classify",
           .stage = Stage::Route,
           .needs_text = "a swarm",
           .needs = [state] { return !state->parts.empty(); },
           .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}, {kSeen, Access::StorageRead}},
-          .run = [state, classify](PassContext&) {
-            if (state->frozen || !classify->use()) return;
+          .run = [state, runs, grains](PassContext&) {
+            if (state->frozen) return;
             gpu::barrier(GL_BUFFER_UPDATE_BARRIER_BIT);  // the last frame's programs wrote it
             state->candidates.fill(0);
             state->candidates.bindStorage(rules::kCandidateMapBinding);
             for (const Part& part : state->parts) {
               bindPart(part, part.early);
+              if (!runs->use()) return;
               gpu::dispatchItems(part.runs, kGroup);
+              gpu::barrier(kWalkedBarrier);
+              if (!grains->use()) return;
+              dispatch(part, kWalkedGroups);
             }
           }};
 }
 
 PassDesc listPass(const SharedState& state) {
-  const auto programs =
-      std::make_shared<ListPrograms>(program("lod.count"), program("lod.commands", {"FIRST"}));
+  const auto first = std::make_shared<gpu::Program>(program("lod.first"));
+  const auto lists = std::make_shared<ListPrograms>(program("lod.commands", {"FIRST"}));
   return {.name = "lod.list",
           .stage = Stage::Route,
           .needs_text = "a swarm",
@@ -100,15 +97,24 @@ PassDesc listPass(const SharedState& state) {
           .uses = {{std::string(kSwarmRoutes), Access::StorageWrite},
                    {std::string(kSwarmLists), Access::StorageWrite},
                    {kSeen, Access::StorageWrite}},
-          .run = [state, programs](PassContext&) {
+          .run = [state, first, lists](PassContext&) {
             if (state->frozen) return;
             state->candidates.bindStorage(rules::kCandidateMapBinding);
-            for (const Part& part : state->parts) programs->run(part, Lists::First);
+            for (const Part& part : state->parts) {
+              bindPart(part, part.early);
+              if (!first->use()) return;
+              dispatch(part, kWalkedGroups);
+              lists->run(part, kFirstGroups);
+              gpu::barrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+              part.routes->seen.fill(0);
+            }
           }};
 }
 
 PassDesc lateListPass(const SharedState& state) {
-  const auto programs = std::make_shared<ListPrograms>(program("lod.count", {"LATE"}), program("lod.commands"));
+  const auto runs = std::make_shared<gpu::Program>(program("lod.hide"));
+  const auto grains = std::make_shared<gpu::Program>(program("lod.late"));
+  const auto lists = std::make_shared<ListPrograms>(program("lod.commands"));
   return {.name = "lod.list_late",
           .stage = Stage::RouteLate,
           .needs_text = "a swarm that may be more than points",
@@ -119,10 +125,18 @@ PassDesc lateListPass(const SharedState& state) {
                    {std::string(kSwarmLists), Access::Indirect},
                    {std::string(kOcclusionPyramid), Access::Sampled},
                    {std::string(kSwarmLateLists), Access::StorageWrite}},
-          .run = [state, programs](PassContext& context) {
+          .run = [state, runs, grains, lists](PassContext& context) {
             if (state->frozen) return;
             bindPyramid(state->world, context);
-            for (const Part& part : state->parts) programs->run(part, Lists::Late);
+            for (const Part& part : state->parts) {
+              bindPart(part, part.late);
+              if (!runs->use()) return;
+              dispatch(part, kLateGroups);
+              gpu::barrier(kWalkedBarrier);
+              if (!grains->use()) return;
+              dispatch(part, kWalkedGroups);
+              lists->run(part, kLateGroups);
+            }
           }};
 }
 

@@ -45,13 +45,14 @@ struct Placement {
   uint32_t swarm = 0;
   bool drawn = false, drew = false;  // in this frame; in the last
   dvec3 origin{0};
+  uint64_t version = 0;  // of the grains, when it was last drawn
   std::vector<Routes> routes;  // by chunk
 };
 
 // A chunk that is drawn in this frame.
 struct Part : SwarmPart {
   const Chunk* chunk = nullptr;
-  const Routes* routes = nullptr;
+  Routes* routes = nullptr;
   gpu::StreamSlice early, late;  // SwarmBlock, of the lists that are made before and after the depth pyramid
   LodThresholds thresholds;
   bool casts = false;  // shadows
@@ -99,6 +100,8 @@ struct SwarmsDrawn::State {
   // Of the last frame.
   dvec3 last_camera{0};
   quat last_rotation{1, 0, 0, 0};
+  vec2 last_size_px{0};
+  float last_pixels_at_1m = 0;
   uint64_t last_frame = 0;
 };
 

@@ -20,6 +20,7 @@ uint32_t runsOf(uint32_t count) { return (count + rules::kRunGrains - 1) / rules
 // Index counts and places of the levels; the rest of the commands is written on the GPU.
 rules::SwarmCommands commandsOf(const MeshStore& meshes, const GrainShape& shape) {
   rules::SwarmCommands commands{};
+  commands.walked_groups[1] = commands.walked_groups[2] = 1;
   for (size_t level = 0; level < shape.levels.size(); ++level) {
     const std::vector<MeshPart>& parts = meshes.mesh(shape.levels[level].mesh).parts;
     for (size_t k = 0; k < parts.size(); ++k)
@@ -48,6 +49,7 @@ Routes routesOf(uint32_t count, const rules::SwarmCommands& commands) {
   routes.seen = gpu::Buffer("lod.seen", 4 * rules::kRunSeenWords * runs);
   routes.seen.fill(0);
   routes.counts = gpu::Buffer("lod.counts", 4 * rules::kCountWords * runs);
+  routes.counts.fill(0);
   routes.prefix = gpu::Buffer("lod.prefix", 4 * rules::kRepresentations * (runs + blocks));
   routes.list = gpu::Buffer("lod.list", 4 * size_t{count});
   routes.commands = gpu::Buffer("lod.commands", sizeof(commands), &commands);
@@ -107,15 +109,17 @@ struct Placed {
 };
 
 // What the last frame tells of this one, for a ball of grains. Near: the camera has neither gone far from there, as
-// seen from there, nor turned much, so that most of what was seen is seen again.
+// seen from there, nor turned or zoomed, so that most of what was seen is seen again.
 enum class Knows { Nothing, Near, Same };
 Knows knowsWhatWasSeen(const SwarmsDrawn::State& state, const View& view, const Placed& placed, const vec3& center, float extent) {
   if (!placed.placement->drew || state.world.singleton<const FrameInput>().frame > state.last_frame + 1) return Knows::Nothing;
+  if (view.block.size_px != state.last_size_px || view.block.pixels_at_1m != state.last_pixels_at_1m) return Knows::Nothing;
   const float away = std::max(glm::length(center) - extent, 0.1f * extent);
   const double moved = glm::length((view.position - placed.origin) - (state.last_camera - placed.placement->origin));
   const float turned = 1 - std::abs(glm::dot(view.rotation, state.last_rotation));
   if (!(moved < 0.1 * static_cast<double>(away) && turned < 0.004f)) return Knows::Nothing;
-  return moved == 0 && view.rotation == state.last_rotation ? Knows::Same : Knows::Near;
+  const bool same = moved == 0 && view.rotation == state.last_rotation && placed.placement->version == placed.resident->version;
+  return same ? Knows::Same : Knows::Near;
 }
 
 void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view, const LodSettings& settings) {
@@ -231,6 +235,7 @@ void upload(SwarmsDrawn::State& state) {
     addParts(state, placed, view, settings);
     addCaster(state, placed, seen);
     placed.placement->origin = placed.origin;
+    placed.placement->version = resident.version;
   });
   dropTheRest(state);
   const bool drew = !state.parts.empty();
@@ -243,6 +248,8 @@ void upload(SwarmsDrawn::State& state) {
   if (!state.frozen) {
     state.last_camera = view.position;
     state.last_rotation = view.rotation;
+    state.last_size_px = view.block.size_px;
+    state.last_pixels_at_1m = view.block.pixels_at_1m;
     state.last_frame = world.singleton<const FrameInput>().frame;
   }
   if (seen != state.casters_seen) {

@@ -17,6 +17,18 @@ bool occluded(SphereBounds bounds) {
   return bounds.depth < min(far_low, far_high);
 }
 
+// The same by up to 4 x 4 texels: for what is worth them, as runs of grains are.
+bool occludedFinely(SphereBounds bounds) {
+  if (!bounds.known) return false;
+  if (any(lessThan(bounds.last_px, bounds.first_px))) return true;
+  int level = max(pyramidFootprint(bounds.first_px, bounds.last_px).level - 1, 0);
+  ivec2 first = bounds.first_px >> (level + kPyramidShift), last = bounds.last_px >> (level + kPyramidShift);
+  float farthest = 1.0;
+  for (int y = first.y; y <= last.y; ++y)
+    for (int x = first.x; x <= last.x; ++x) farthest = min(farthest, texelFetch(occlusion_pyramid, ivec2(x, y), level).r);
+  return bounds.depth < farthest;
+}
+
 OcclusionView occlusionView() {
   return occlusionView(view.clip_from_relative, view.size_px, view.near_m);
 }

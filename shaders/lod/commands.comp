@@ -45,10 +45,14 @@ void main() {
         commands.meshes[meshCommand(representation, part)].base_instance = begin;
       }
   }
-  if (representation == 0u) commands.listed = end;
+  if (representation == 0u) {
+    commands.listed = end;
+    commands.walked = 0u;
+    commands.walked_groups[0] = 0u;
+  }
 #ifdef FIRST
   if (representation != 0u) return;
-  uint groups = (swarm.run_count + 63u) / 64u, rest = 0u;
+  uint groups = (swarm.run_count + 63u) / 64u, rest = found[kHidden];
   for (uint k = kSmallImpostor; k < kFirst; ++k) rest += found[k];
   uvec2 tiles = rest + end > 0u ? (uvec2(view.size_px) + 7u) / 8u : uvec2(0u);
   commands.point_groups = uint[3](found[kPoint] > 0u ? groups : 0u, 1u, 1u);

@@ -135,6 +135,40 @@ RULE SphereBounds sphereBounds(OcclusionView v, vec3 center, float radius, float
   return b;
 }
 
+// Where anything may show that lies within `reach` m of a box, however it is drawn: the picture of a box before the eye
+// lies between those of its corners.
+RULE SphereBounds boxBounds(OcclusionView v, vec3 low, vec3 high, float reach, float reach_px) {
+  SphereBounds b;
+  b.known = false;
+  b.first_px = ivec2(0, 0);
+  b.last_px = ivec2(-1, -1);
+  b.depth = 1.0f;
+  vec3 middle = 0.5f * (low + high), half_size = 0.5f * (high - low);
+  vec3 size = abs(middle) + half_size;
+  float distance = sqrt(dot(size, size)), around = reach + v.center_error * distance + kRadiusError * reach;
+  half_size = half_size + around;
+  float nearest = dot(vec3(v.forward), middle) - dot(abs(vec3(v.forward)), half_size);
+  // Nearer, the triangles around discs may near the eye's plane.
+  if (!(nearest >= max(v.forward.w, 4.0f * around) && distance <= kMostDistance)) return b;
+  b.depth = v.forward.w / max(nearest - kEdgeOnShare * around, v.forward.w) * v.depth_scale;
+
+  vec2 least = vec2(1e30f, 1e30f), most = vec2(-1e30f, -1e30f);
+  for (uint corner = 0u; corner < 8u; ++corner) {
+    vec3 side = vec3(float(corner & 1u), float(corner >> 1u & 1u), float(corner >> 2u)) * 2.0f - 1.0f;
+    vec3 p = middle + half_size * side;
+    vec2 slope = vec2(dot(vec3(v.right), p), dot(vec3(v.up), p)) / dot(vec3(v.forward), p);
+    least = min(least, slope);
+    most = max(most, slope);
+  }
+  vec2 scale = vec2(v.right.w, v.up.w);
+  vec2 low_px = v.center_px + scale * least - (v.margin_px + reach_px + 0.5f);
+  vec2 high_px = v.center_px + scale * most + (v.margin_px + reach_px - 0.5f);
+  b.first_px = ivec2(clamp(ceil(low_px), vec2(0.0f, 0.0f), v.last_px + vec2(1.0f, 1.0f)));
+  b.last_px = ivec2(clamp(floor(high_px), vec2(-1.0f, -1.0f), v.last_px));
+  b.known = true;
+  return b;
+}
+
 // The pyramid. A texel of level k holds the farthest depth (the least: it is reversed) of the pixels
 // (i << s) to (i + 1 << s) - 1 along x and y, s = kPyramidShift + k, as far as these are in the
 // picture. The texture's sides are powers of two, so that every level halves without a rest; beyond

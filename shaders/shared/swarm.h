@@ -93,6 +93,8 @@ struct SwarmCommands {
   uint point_groups[3];           // of 64 runs: those that visit all points
   uint first_groups[3];           // those that list what is drawn first
   uint late_groups[3];            // those that choose and list the rest
+  uint walked_groups[3];          // of 8 runs: those that look at each grain of them
+  uint walked;                    // runs of which each grain is looked at
   uint see_groups[3];             // of 8 x 8 pixels: those that note what is seen
 };
 
