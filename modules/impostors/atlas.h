@@ -37,11 +37,12 @@ inline constexpr uint64_t kImpostorMaxBytes = uint64_t{3} << 28;
 // ---- Measured error -------------------------------------------------------------------------
 
 // How a point of the ray is found (shared/impostor.h); Parallax is Proxy and one impostorStep.
+// Nearest: Proxy's surface within the outline that the nearest view alone has, as small grains are drawn.
 // Mesh: the mesh itself, one sample a pixel, for comparison.
-enum class ImpostorScheme : uint32_t { Planar, Spherical, Mixed, Proxy, Parallax, Mesh };
-inline constexpr size_t kImpostorSchemes = 6;
+enum class ImpostorScheme : uint32_t { Planar, Spherical, Mixed, Proxy, Parallax, Nearest, Mesh };
+inline constexpr size_t kImpostorSchemes = 7;
 inline constexpr const char* kImpostorSchemeNames[kImpostorSchemes] = {
-    "planar", "spherical", "mixed", "proxy", "parallax", "mesh"};
+    "planar", "spherical", "mixed", "proxy", "parallax", "nearest", "mesh"};
 // Diameters of the outer sphere at which errors are measured, pixels.
 inline constexpr size_t kImpostorSizes = 11;
 inline constexpr float kImpostorSizesPx[kImpostorSizes] = {4,  6,  8,  12,  16, 24,

@@ -11,7 +11,7 @@
 namespace scree {
 
 struct BakeParameters {
-  int edge = 6;         // n: vertices along an edge of the view octahedron; 4 (n - 1)^2 + 2 views
+  int edge = 9;         // n: vertices along an edge of the view octahedron; 4 (n - 1)^2 + 2 views
   int texels = 64;      // p: texels along a view's side
   int supersample = 4;  // samples along a texel's side, 1 to 8
   int directions = 24;  // from which errors are measured, 0 to 1024; 0: not at all

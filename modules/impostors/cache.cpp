@@ -14,7 +14,7 @@ namespace scree {
 namespace {
 
 constexpr uint64_t kMagic = 0x504d494545524353ull;  // "SCREEIMP"
-constexpr uint32_t kVersion = 4;
+constexpr uint32_t kVersion = 5;
 // Numbers this far from what a grain can have are damage.
 constexpr float kMostUnits = 1e9f;
 

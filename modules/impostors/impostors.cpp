@@ -46,8 +46,9 @@ std::vector<SizeError> sizeErrors(const ImpostorAtlas& atlas) {
     while (static_cast<int>(level) + 1 < atlas.levels() && diameter <= impostorLevelMostPx(atlas.texels, static_cast<int>(level) + 1))
       ++level;
     const float ssim = atlas.errors.at(ImpostorScheme::Proxy, diameter).ssim,
-                mesh_ssim = atlas.errors.at(ImpostorScheme::Mesh, diameter).ssim;
-    sizes.push_back({0.5f * diameter, outlines.full[level], outlines.small[level], outlines.full_near, outlines.small_near, ssim, mesh_ssim});
+                mesh_ssim = atlas.errors.at(ImpostorScheme::Mesh, diameter).ssim,
+                small_ssim = atlas.errors.at(ImpostorScheme::Nearest, diameter).ssim;
+    sizes.push_back({0.5f * diameter, outlines.full[level], outlines.small[level], outlines.full_near, outlines.small_near, ssim, mesh_ssim, small_ssim});
   }
   return sizes;
 }

@@ -31,6 +31,7 @@ class Look {
       axis_[k] = axes[k];
       weight_[k] = views.weight[k];
     }
+    nearest_ = static_cast<int>(std::max_element(weight_, weight_ + 3) - weight_);
     const int last = atlas.levels() - 1;
     shape_level_ = std::min(
         rules::impostorLevel(atlas.texels, scene.diameter_px, rules::kImpostorShapeBias), last);
@@ -39,7 +40,7 @@ class Look {
     radius_ = 0.5f * (1 + atlas.inner);
   }
 
-  // Share of the views that see the grain at a point of the picture, in outer radii from its
+  // Share of the views that count which see the grain at a point of the picture, in outer radii from its
   // middle.
   float coverage(vec2 at) {
     const rules::ImpostorRay ray{scene_.right * at.x + scene_.up * at.y, -scene_.axis};
@@ -59,8 +60,11 @@ class Look {
       }
       uv_[k] = rules::impostorUv(point, axis_[k], extent_);
       share_[k] = weight_[k] * sampleShape(atlas_, shape_level_, layer_[k], uv_[k]).x;
+      if (scheme_ == ImpostorScheme::Nearest) share_[k] = std::max(share_[k], 1e-6f);  // it decides nothing
       sum += share_[k];
     }
+    if (scheme_ == ImpostorScheme::Nearest)
+      return sampleShape(atlas_, shape_level_, layer_[nearest_], rules::impostorUv(ray.foot, axis_[nearest_], extent_)).x;
     return sum;
   }
 
@@ -95,7 +99,7 @@ class Look {
   float extent_;
   float radius_ = 1;
   int shape_level_ = 0, color_level_ = 0;
-  int layer_[3];
+  int layer_[3], nearest_ = 0;
   vec3 axis_[3];
   float weight_[3], share_[3];
   vec2 uv_[3];

@@ -40,6 +40,7 @@ struct SizeError {
   float near = 0, small_near = 0;  // and what is added to these: times outer radius / distance of the eye
   float ssim = 1;           // at this size: structural similarity to the mesh with many samples a pixel
   float mesh_ssim = 1;      // the same of the mesh with one sample a pixel: nothing that is not filtered is better
+  float small_ssim = 1;     // as `ssim`, outlined by the nearest view alone
 };
 
 // What all grains of a swarm look like. Lengths are those of its mesh.

@@ -20,12 +20,14 @@ float mostSize(float share, float more, float tolerance, float pixels_at_1m) {
   return root > 0 ? std::min(2 * tolerance / root, kEver) : kEver;
 }
 
-// Of the outlines of three views, or of one.
+// Of three views, or of one.
 struct Outline {
   float SizeError::*share;
   float SizeError::*near;
+  float SizeError::*ssim;
 };
-constexpr Outline kFull{&SizeError::outline, &SizeError::near}, kSmall{&SizeError::small_outline, &SizeError::small_near};
+constexpr Outline kFull{&SizeError::outline, &SizeError::near, &SizeError::ssim},
+    kSmall{&SizeError::small_outline, &SizeError::small_near, &SizeError::small_ssim};
 
 // Sizes from which and up to which impostors suffice.
 struct Range {
@@ -41,7 +43,7 @@ Range rangeOf(const GrainShape& shape, const LodSettings& settings, float tolera
   float begin = 0;
   bool was_similar = true;  // below the smallest size pictures were not compared; a pixel shows less of them yet
   for (const SizeError& e : shape.impostor) {
-    const bool similar = e.ssim >= std::min(settings.least_ssim, e.mesh_ssim);
+    const bool similar = e.*outline.ssim >= std::min(settings.least_ssim, e.mesh_ssim);
     const float most = similar && was_similar ? std::min(mostSize(e.*outline.share, e.*outline.near, tolerance, pixels_at_1m), e.size_px) : 0;
     was_similar = similar;
     if (most > begin) {

@@ -9,8 +9,8 @@ layout(local_size_x = 64) in;
 bool isHidden(OcclusionView eye, SwarmRecord grain, uint representation) {
   uint drawn = representation == kSmallImpostor ? kAsImage : representation == kImpostor ? kAsTriangle : kAsSolid;
   float reach_px = drawn == kAsSolid ? kReachTouched : kReachCenters;
-  return swarm.cull != 0u && occluded(ellipsoidBounds(eye, centerOf(grain), radiusOf(grain), unpackRotation(grain.rotation),
-                                                      swarm.bound, reach_px, drawn));
+  SphereBounds bounds = ellipsoidBounds(eye, centerOf(grain), radiusOf(grain), unpackRotation(grain.rotation), swarm.bound, reach_px, drawn);
+  return swarm.cull != 0u && (drawn == kAsImage ? occluded(bounds) : occludedFinely(bounds));
 }
 
 void main() {

@@ -115,7 +115,7 @@ TEST(ImpostorFile, RefusesEachDamageWithOneLine) {
   };
   EXPECT_EQ(refusal(""), "x: is no impostor atlas");
   EXPECT_EQ(refusal("glTF2 and some more bytes"), "x: is no impostor atlas");
-  EXPECT_EQ(refusal(with(16, 99u)), "x: is of version 99, this program reads 4");
+  EXPECT_EQ(refusal(with(16, 99u)), "x: is of version 99, this program reads 5");
   EXPECT_EQ(refusal(with(20, 1000000u)), "x: has 1000000 views an edge, allowed are 2 to 23");
   EXPECT_EQ(refusal(with(24, 48u)), "x: has 48 texels a side, allowed are 16, 32, 64, 128, 256");
   EXPECT_NE(refusal(with(24, 256u)).find("bytes of texels"), std::string::npos);

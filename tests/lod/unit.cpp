@@ -80,19 +80,27 @@ TEST(Thresholds, FollowTheMeasuredErrors) {
   LodThresholds t = thresholdsOf(measuredShape(), {.tolerance_px = 0.5f}, kFar);
   EXPECT_FLOAT_EQ(t.point_px, 0.75f);
   EXPECT_FLOAT_EQ(t.impostor_from_px, 0);
-  EXPECT_FLOAT_EQ(t.small_px, 4);
+  EXPECT_FLOAT_EQ(t.small_px, 5) << "0.5 / 0.1";
   EXPECT_FLOAT_EQ(t.impostor_px, 25) << "0.5 / 0.02";
   EXPECT_FLOAT_EQ(t.mesh_px[1], 50);
   EXPECT_FLOAT_EQ(t.mesh_px[2], 10);
   EXPECT_FLOAT_EQ(t.mesh_px[3], 0) << "there is no such level";
   t = thresholdsOf(measuredShape(), {.tolerance_px = 2}, kFar);
+  EXPECT_FLOAT_EQ(t.small_px, rules::kSmallPx);
   EXPECT_FLOAT_EQ(t.impostor_px, 32) << "the similarity ends it, not the outline";
   // An impostor that is bad at small sizes.
   GrainShape shape = measuredShape();
-  shape.impostor[0].ssim = 0.9f;
+  shape.impostor[0].ssim = shape.impostor[0].small_ssim = 0.9f;
   t = thresholdsOf(shape, {.tolerance_px = 0.5f}, kFar);
   EXPECT_FLOAT_EQ(t.impostor_from_px, 4);
-  EXPECT_FLOAT_EQ(t.small_px, 0);
+  EXPECT_FLOAT_EQ(t.small_px, 5);
+  EXPECT_FLOAT_EQ(t.impostor_px, 25);
+  // One of which one view alone is unlike the mesh from 4 px on.
+  shape = measuredShape();
+  shape.impostor[2].small_ssim = 0.9f;
+  t = thresholdsOf(shape, {.tolerance_px = 0.5f}, kFar);
+  EXPECT_FLOAT_EQ(t.impostor_from_px, 0);
+  EXPECT_FLOAT_EQ(t.small_px, 4);
   EXPECT_FLOAT_EQ(t.impostor_px, 25);
   // One view alone is good up to 2.5 px only; three are from 2 px on.
   t = thresholdsOf(measuredShape(), {.tolerance_px = 0.25f}, kFar);
@@ -153,7 +161,7 @@ TEST(Representation, ErrorIsWithinTheToleranceAtEverySize) {
 
 TEST(Representation, TremblingAtAThresholdSwitchesOnce) {
   const rules::SwarmBlock block = blockOf(thresholdsOf(measuredShape(), {.tolerance_px = 0.5f}, kFar), 0.05f);
-  for (const float threshold : {0.75f, 4.0f, 25.0f, 50.0f}) {
+  for (const float threshold : {0.75f, 5.0f, 25.0f, 50.0f}) {
     uint32_t r = rules::representationOf(threshold * 0.999f, 0, rules::kNotDrawn, block);
     int switches = 0;
     for (int k = 0; k < 1000; ++k) {
