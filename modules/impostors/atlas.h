@@ -37,7 +37,8 @@ inline constexpr uint64_t kImpostorMaxBytes = uint64_t{3} << 28;
 // ---- Measured error -------------------------------------------------------------------------
 
 // How a point of the ray is found (shared/impostor.h); Parallax is Proxy and one impostorStep.
-// Nearest: Proxy's surface within the outline that the nearest view alone has, as small grains are drawn.
+// Nearest: as small grains are drawn, by the nearest view alone; Proxy's points, but for the outline, which is that of the
+// view's plane.
 // Mesh: the mesh itself, one sample a pixel, for comparison.
 enum class ImpostorScheme : uint32_t { Planar, Spherical, Mixed, Proxy, Parallax, Nearest, Mesh };
 inline constexpr size_t kImpostorSchemes = 7;

@@ -60,7 +60,7 @@ class Look {
       }
       uv_[k] = rules::impostorUv(point, axis_[k], extent_);
       share_[k] = weight_[k] * sampleShape(atlas_, shape_level_, layer_[k], uv_[k]).x;
-      if (scheme_ == ImpostorScheme::Nearest) share_[k] = std::max(share_[k], 1e-6f);  // it decides nothing
+      if (scheme_ == ImpostorScheme::Nearest) share_[k] = k == nearest_ ? 1 : 0;
       sum += share_[k];
     }
     if (scheme_ == ImpostorScheme::Nearest)

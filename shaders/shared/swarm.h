@@ -30,7 +30,7 @@ const uint kFirst = 8u;  // added to these: drawn first
 const uint kHidden = 8u;  // in the view, but the depth pyramid hides it
 const uint kRepresentations = 16u;
 const uint kCountWords = 4u;  // of a run's counts, a byte a representation
-// Impostors above this size are outlined by three views, however good the nearest alone may be.
+// Impostors above this size show three views, however good the nearest alone may be.
 const float kSmallPx = 9.0f;
 const uint kMeshParts = 4u;  // of a shape, each of another material
 
