@@ -23,6 +23,8 @@ std::string_view stageName(Stage stage) {
       return "RouteLate";
     case Stage::GeometryLate:
       return "GeometryLate";
+    case Stage::Emission:
+      return "Emission";
     case Stage::Shade:
       return "Shade";
     case Stage::Lens:

@@ -31,7 +31,8 @@ enum class Stage : uint8_t {
   Geometry,      // G-buffer and shadow maps
   DepthPyramid,  // depth of what was drawn so far
   RouteLate,     // second chance for what the old depth hid wrongly
-  GeometryLate,
+  GeometryLate,  // what else is drawn, and surfaces of what was
+  Emission,      // what emits light, over all geometry: nothing that is drawn later could hide it
   Shade,    // G-buffer to linear radiance
   Lens,     // depth of field, motion blur, accumulation
   Present,  // tone mapping, overlays: writes the output

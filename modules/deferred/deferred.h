@@ -29,7 +29,7 @@ struct DrawState;
 
 inline constexpr std::string_view kGbufferAlbedo = "gbuffer.albedo";
 inline constexpr std::string_view kGbufferNormal = "gbuffer.normal";
-// Zero but where what emits is drawn, in Stage::GeometryLate, after everything that does not.
+// Zero but where what emits is drawn, in Stage::Emission, after everything that does not.
 inline constexpr std::string_view kGbufferEmissive = "gbuffer.emissive";
 // Motion and id are drawn only in frames in which a pass that is on reads them, or Frame::keep() asks
 // for them.

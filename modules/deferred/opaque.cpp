@@ -86,7 +86,7 @@ PassDesc opaquePass(const SharedState& state) {
 PassDesc emissivePass(const SharedState& state) {
   const auto pass = std::make_shared<OpaquePass>();
   return {.name = "deferred.emissive",
-          .stage = Stage::GeometryLate,
+          .stage = Stage::Emission,
           .needs_text = "a mesh in view that emits light",
           .needs = [state] { return state->batches.any() && state->emission_in_view; },
           .uses = gbufferUses({{std::string(kGbufferEmissive), Access::Color}}),

@@ -143,7 +143,7 @@ CODE = [
     ("modules/deferred/shadow_fit.cpp", "z.include(cz - r, cz + r);", "z.include(cz, cz);", "casters cut by the near plane"),
     ("modules/deferred/shadow_fit.cpp", "glm::cross(axis_z, axis_x)", "glm::cross(axis_x, axis_z)", "left-handed light axes"),
     ("modules/deferred/light.cpp", "gpu::Compare::Less", "gpu::Compare::Always", "the sky is shaded as a surface"),
-    ("modules/deferred/opaque.cpp", "Stage::GeometryLate", "Stage::Geometry", "emission shines through grains"),
+    ("modules/deferred/opaque.cpp", "Stage::Emission", "Stage::GeometryLate", "emission shines through grains"),
     ("modules/deferred/deferred.cpp", "{std::string(kGbufferEmissive), Access::Clear},", "",
      "emission of earlier frames stays"),
     ("modules/deferred/opaque.cpp", "? gpu::Cull::Front", "? gpu::Cull::Back", "mirrored meshes inside out"),
