@@ -33,23 +33,24 @@ Caster listed(uint at) {
   return caster;
 }
 
-void markTiles(ivec2 low, ivec2 high, ivec2 size) {
+void markSunTiles(ivec2 low, ivec2 high, ivec2 size) {
   for (int y = low.y; y <= high.y; ++y)
     for (int x = low.x; x <= high.x; ++x) depth[size.x * size.y + y * tileCount(size).x + x] = 1u;
 }
 
-// Every `step`th row, from `first` on.
+// Every `step`th row, from `first` on: texels with their middles in the disc, and that which its own middle is in. A disc
+// so small that it holds no texel's middle would otherwise be lost, and with it what it casts for: its cell.
 void drawDisc(Caster caster, int first, int step) {
-  // Less than a texel wide it takes the one it is in.
-  float reach = max(caster.radius, 0.5);
+  float reach = caster.radius;
   ivec2 last = ivec2(shadow_view.size_px) - 1;
-  ivec2 low = ivec2(max(ceil(caster.texel - reach - 0.5), vec2(0.0)));
-  ivec2 high = ivec2(min(floor(caster.texel + reach - 0.5), vec2(last)));
-  if (first == 0) markTiles(low / kTilePx, high / kTilePx, last + 1);
+  vec2 own = floor(caster.texel);
+  ivec2 low = ivec2(max(min(ceil(caster.texel - reach - 0.5), own), vec2(0.0)));
+  ivec2 high = ivec2(min(max(floor(caster.texel + reach - 0.5), own), vec2(last)));
+  if (first == 0) markSunTiles(low / kTilePx, high / kTilePx, last + 1);
   for (int y = low.y + first; y <= high.y; y += step)
     for (int x = low.x; x <= high.x; ++x) {
       vec2 off = vec2(x, y) + 0.5 - caster.texel;
-      if (dot(off, off) > reach * reach) continue;
+      if (dot(off, off) > reach * reach && vec2(x, y) != own) continue;
       uint at = uint(y * (last.x + 1) + x);
       if (depth[at] < caster.key) atomicMax(depth[at], caster.key);
     }
