@@ -89,6 +89,10 @@ void addImpostors(App& app) {
   constexpr const char* kNeeds = "a swarm that may be impostors";
   const std::string visible(kSwarmVisible), overdraw(kSwarmOverdraw), depth(kGbufferDepth), lists(kSwarmLists), late_lists(kSwarmLateLists);
   app.frame().addExternal(kTiles);
+  app.addSystem({.name = "impostors.give_back",
+                 .phase = Phase::Prepare,
+                 .needs = [impostors] { return impostors->tiles.held() && impostors->swarms().size() == 0; },
+                 .run = [impostors](World&) { impostors->tiles.giveBack(); }});
 
   app.addPass({.name = "impostors.visible",
                .stage = Stage::Geometry,

@@ -4,8 +4,12 @@
 #include "engine/app/app.h"
 #include "engine/gpu/gl.h"
 #include "modules/lod/state.h"
+#include "modules/lod/sun_map.h"
 
 namespace scree {
+
+SwarmsDrawn::State::State(World& world_in)
+    : world(world_in), swarms(world_in.query<const Swarm, const Transform>()), sun_map(std::make_shared<lod::SunMap>()) {}
 
 size_t SwarmsDrawn::size() const { return state->parts.size(); }
 uint64_t SwarmsDrawn::grainCount() const { return state->grain_count; }
@@ -36,6 +40,7 @@ void addLod(App& app) {
     app.frame().addExternal(std::string(resource));
 
   app.addSystem(lod::uploadSystem(state));
+  app.addSystem(lod::giveBackSystem(state));
 
   app.addTarget(std::string(kSwarmVisible), {.format = GL_R32UI});
   // Counts up to 2,048.

@@ -234,13 +234,16 @@ class MarkedTiles {
   void draw() const;
   // Runs the program in use, made of lib/empty_tiles.glsl, a group a tile; not at all if none is marked.
   void empty() const;
+  // Whether it takes memory: from the first ready() on, until that is given back.
+  bool held() const { return static_cast<bool>(marked_); }
+  void giveBack() { marked_ = {}; }
 
  private:
   std::string label_;
   gpu::Buffer marked_;
 };
 
-// Registers lod.upload (Prepare), lod.classify, lod.list (Route), lod.clear, lod.shadow, lod.meshes (Geometry),
+// Registers lod.upload, lod.give_back (Prepare), lod.classify, lod.list (Route), lod.clear, lod.shadow, lod.meshes (Geometry),
 // lod.list_late (RouteLate), lod.meshes_late (GeometryLate), lod.see (Shade), lod.view_* (Present). Needs addScene,
 // addDeferred, addOcclusion.
 void addLod(App& app);

@@ -10,6 +10,7 @@
 #include "engine/gpu/state.h"
 #include "modules/deferred/deferred.h"
 #include "modules/lod/state.h"
+#include "modules/lod/sun_map.h"
 #include "shaders/shared/tiles.h"
 
 namespace scree::lod {
@@ -56,15 +57,10 @@ size_t tilesOf(const rules::ShadowViewBlock& view) {
   return static_cast<size_t>(tiles.x) * static_cast<size_t>(tiles.y);
 }
 
-struct SunMap {
-  gpu::Program cells_program = compute("sun_cells"), depth_program = compute("sun_depth"),
-               depth_list_program = compute("sun_depth", {"LIST"}), discs_program = compute("sun_discs");
+struct SunPrograms {
+  gpu::Program cells = compute("sun_cells"), depth = compute("sun_depth"), depth_list = compute("sun_depth", {"LIST"}),
+               discs = compute("sun_discs");
   gpu::Program copy{{.name = "lod.shadow", .vertex = "lod/sun.vert", .fragment = "lod/sun.frag"}};
-  gpu::Buffer cells;
-  gpu::Buffer depth;  // by texel, and which tiles are not empty
-  uint64_t shadow_version = 0, casters_version = 0;  // of what `depth` holds
-
-  void splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view);
 };
 
 Cells fit(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view) {
@@ -79,22 +75,23 @@ Cells fit(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view) {
   return cellsOf(largest_m, least_m, view);
 }
 
-void SunMap::splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock& view) {
+void splat(const SwarmsDrawn::State& state, SunPrograms& programs, SunMap& map, const rules::ShadowViewBlock& view) {
   const Cells fitted = fit(state, view);
   const size_t texels = static_cast<size_t>(view.size_px.x) * static_cast<size_t>(view.size_px.y);
-  gpu::reserve(depth, "lod.sun_depth", 4 * (texels + tilesOf(view)));
+  gpu::reserve(map.depth, "lod.sun_depth", 4 * (texels + tilesOf(view)));
   const bool lists = fitted.largest_texels > kLarge;
-  gpu::reserve(cells, "lod.sun_cells", 4 * (size_t{fitted.count} + (lists ? 4 + 4 * kMostListed : 0)));
-  depth.fill(0);
-  cells.fill(0);
-  depth.bindStorage(rules::kSunDepthBinding);
-  cells.bindStorage(rules::kSunCellsBinding);
-  for (gpu::Program* program : {&cells_program, lists ? &depth_list_program : &depth_program}) {
+  gpu::reserve(map.cells, "lod.sun_cells", 4 * (size_t{fitted.count} + (lists ? 4 + 4 * kMostListed : 0)));
+  gpu::barrier(GL_BUFFER_UPDATE_BARRIER_BIT);  // programs wrote both when it was last splatted
+  map.depth.fill(0);
+  map.cells.fill(0);
+  map.depth.bindStorage(rules::kSunDepthBinding);
+  map.cells.bindStorage(rules::kSunCellsBinding);
+  for (gpu::Program* program : {&programs.cells, lists ? &programs.depth_list : &programs.depth}) {
     if (!program->use()) return;
     program->set(kLastClass, fitted.last_class);
     program->set(kPerLargest, 1 / fitted.largest_texels);
     program->set(kCellClasses, std::span<const vec4>(fitted.classes));
-    if (program == &depth_list_program) {
+    if (program == &programs.depth_list) {
       program->set(kLargeTexels, kLarge);
       program->set(kListAt, fitted.count);
     }
@@ -107,20 +104,21 @@ void SunMap::splat(const SwarmsDrawn::State& state, const rules::ShadowViewBlock
     }
     gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   }
-  if (!lists || !discs_program.use()) return;
-  discs_program.set(kListAt, fitted.count);
-  gpu::dispatchIndirect(cells, 4 * size_t{fitted.count});
+  if (!lists || !programs.discs.use()) return;
+  programs.discs.set(kListAt, fitted.count);
+  gpu::dispatchIndirect(map.cells, 4 * size_t{fitted.count});
   gpu::barrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-void draw(const SwarmsDrawn::State& state, SunMap& map) {
+void draw(SwarmsDrawn::State& state, SunPrograms& programs) {
+  SunMap& map = *state.sun_map;
   const ShadowView& shadow = state.world.singleton<const ShadowView>();
   if (map.shadow_version != shadow.version || map.casters_version != state.casters_version) {
-    map.splat(state, shadow.block);
+    splat(state, programs, map, shadow.block);
     map.shadow_version = shadow.version;
     map.casters_version = state.casters_version;
   }
-  if (!map.copy.use()) return;
+  if (!programs.copy.use()) return;
   map.depth.bindStorage(rules::kSunDepthBinding);
   gpu::apply(shadowDrawState());
   gpu::drawVertexless(GL_TRIANGLES, 6 * static_cast<int>(tilesOf(shadow.block)));
@@ -129,13 +127,13 @@ void draw(const SwarmsDrawn::State& state, SunMap& map) {
 }  // namespace
 
 PassDesc shadowPass(const SharedState& state) {
-  const auto map = std::make_shared<SunMap>();
+  const auto programs = std::make_shared<SunPrograms>();
   return {.name = "lod.shadow",
           .stage = Stage::Geometry,
           .needs_text = "a swarm that casts, and a shadow that has changed",
           .needs = [state] { return state->casts && shadowsWanted(state->world); },
           .uses = shadowUses(),
-          .run = [state, map](PassContext&) { draw(*state, *map); }};
+          .run = [state, programs](PassContext&) { draw(*state, *programs); }};
 }
 
 }  // namespace scree::lod

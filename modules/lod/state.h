@@ -14,6 +14,8 @@
 
 namespace scree::lod {
 
+struct SunMap;  // sun_map.h
+
 // The grains of one buffer, on the GPU.
 struct Chunk {
   gpu::Buffer records, runs;
@@ -78,7 +80,7 @@ struct CasterSeen {
 namespace scree {
 
 struct SwarmsDrawn::State {
-  explicit State(World& world_in) : world(world_in), swarms(world_in.query<const Swarm, const Transform>()) {}
+  explicit State(World& world_in);
 
   World& world;
   Query<const Swarm, const Transform> swarms;
@@ -95,6 +97,7 @@ struct SwarmsDrawn::State {
   uint32_t routed_possible = 0;  // when the lists were last made
   gpu::StreamBuffer blocks{"lod.blocks", 16 * 1024};
   gpu::Buffer candidates;
+  std::shared_ptr<lod::SunMap> sun_map;  // never null
   bool routed = false;  // the lists on the GPU are those of a frame
   bool frozen = false;  // and are not made anew: SwarmView::Frozen
   // Of the last frame.
@@ -135,6 +138,7 @@ void placeRuns(Chunk& chunk, std::span<const rules::SwarmRun> runs);
 void orderRuns(const Chunk& chunk, uint64_t version, Routes& routes, const vec3& eye, RunOrder& scratch);
 
 SystemDesc uploadSystem(const SharedState& state);
+SystemDesc giveBackSystem(const SharedState& state);
 PassDesc classifyPass(const SharedState& state);
 PassDesc listPass(const SharedState& state);
 PassDesc lateListPass(const SharedState& state);

@@ -1,4 +1,6 @@
 // One swarm at several entities, entities that move and go, and what is kept of them on the GPU.
+#include <cstdio>
+
 #include <gtest/gtest.h>
 
 #include "engine/gpu/counters.h"
@@ -86,6 +88,35 @@ TEST_F(Placements, LeaveNothingBehind) {
   scene.world.destroy(large);
   for (int frame = 0; frame < 3; ++frame) scene.render();
   EXPECT_EQ(gpu::counters().live_buffer_bytes, before);
+}
+
+// With shadows: the sun's map is the largest that is kept.
+TEST_F(Placements, NoneLeftTakesNoMemory) {
+  BeanScene scene({320, 200});
+  scene.settings().only = rules::kImpostor;
+  scene.world.singleton<ShadowSettings>().side_texels = 1024;
+  scene.lookFrom(40, 0.9f);
+  scene.put(scene.mesh(sheetMesh()), scene.material(plainMaterial(vec3(0.5f), 0, 1)), {0, -8, 0}, vec3(20));
+  const auto frames = [&] {
+    for (int frame = 0; frame < 3; ++frame) scene.render();
+    return gpu::counters().live_buffer_bytes;
+  };
+  const auto kept = [&] {
+    const Entity bed = scene.show(scene.bean, beanBed(12, 2, 0.3f));
+    scene.world.add(bed, CastsShadow{});
+    const uint64_t shown = frames();
+    EXPECT_EQ(scene.app.frame().hasContent(kShadowMap), false) << "the map is kept, not drawn anew";
+    scene.world.remove<CastsShadow>(bed);
+    const uint64_t without_shadow = frames();
+    EXPECT_GT(shown, without_shadow + 4 * 1024 * 1024) << "the sun's map";
+    scene.world.destroy(bed);
+    return frames();
+  };
+  const uint64_t before = frames(), after = kept(), again = kept();
+  EXPECT_EQ(again, after);
+  // Streams of uniforms, and what belongs to the shape.
+  EXPECT_LT(after, before + 100'000);
+  std::printf("%zu bytes more than before the first swarm\n", static_cast<size_t>(after - before));
 }
 
 }  // namespace
