@@ -2,9 +2,7 @@
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/state.h"
-#include "modules/deferred/lobe_table.h"
 #include "modules/deferred/state.h"
-#include "shaders/shared/spread.h"
 
 namespace scree {
 namespace {
@@ -23,10 +21,8 @@ struct LightPass {
   ShadesInto target;
   // One program a situation, so that a scene does not pay for a sun, shadows or spread normals that it lacks.
   LightPrograms plain = programs({}), spread = programs({"GBUFFER_READ_SPREAD"});
-  gpu::Texture lobe_table, spread_lobe_tables;
 
   LightPrograms programs(const std::vector<std::string>& more) const;
-  const gpu::Texture& lobes(bool spread);
   void draw(DeferredState& state, PassContext& context);
 };
 
@@ -36,23 +32,6 @@ LightPrograms LightPass::programs(const std::vector<std::string>& more) const {
     return lightProgram(shadedDefines(target, std::move(defines)));
   };
   return {with({}), with({"SUN"}), with({"SUN", "SHADOWS"}), with({"SUN", "SHADOWS", "SHADOW_SINGLE_FETCH"})};
-}
-
-const gpu::Texture& LightPass::lobes(bool of_spread) {
-  gpu::Texture& texture = of_spread ? spread_lobe_tables : lobe_table;
-  if (texture) return texture;
-  std::vector<vec4> texels = makeLobeTable();
-  if (of_spread) texels = makeSpreadLobeTables(texels);
-  texture = gpu::Texture(of_spread ? "deferred.spread_lobe_tables" : "deferred.lobe_table",
-                         {.format = GL_RGBA32F,
-                          .size = ivec2(rules::kLobeTableSize),
-                          .layers = of_spread ? rules::kSpreadSteps + 1 : 1,
-                          .kind = of_spread ? gpu::TextureKind::Array : gpu::TextureKind::Flat,
-                          .sampling = {.filter = gpu::Filter::Linear}});
-  const size_t layer = 4 * static_cast<size_t>(rules::kLobeTableSize) * rules::kLobeTableSize;
-  for (int k = 0; k < texture.desc().layers; ++k)
-    texture.upload(std::span(&texels[0].x, texels.size() * 4).subspan(static_cast<size_t>(k) * layer, layer), 4, 0, k);
-  return texture;
 }
 
 void LightPass::draw(DeferredState& state, PassContext& context) {
@@ -69,7 +48,7 @@ void LightPass::draw(DeferredState& state, PassContext& context) {
   context.frame.bindSampled(kGbufferAlbedo, rules::kGbufferAlbedoUnit);
   context.frame.bindSampled(kGbufferNormal, rules::kGbufferNormalUnit);
   context.frame.bindSampled(kGbufferEmissive, rules::kGbufferEmissiveUnit);
-  lobes(normals_spread).bind(rules::kLobeTableUnit);
+  state.lobes.of(normals_spread).bind(rules::kLobeTableUnit);
   if (shadows) {
     // Where the map is kept, deferred.shadow, which else does it, is off.
     if (!context.frame.hasContent(kShadowMap)) bindShadowView(state);

@@ -8,6 +8,7 @@
 #include "engine/gpu/program.h"
 #include "engine/gpu/stream.h"
 #include "modules/deferred/deferred.h"
+#include "modules/deferred/lobe_textures.h"
 #include "modules/deferred/material_block.h"
 #include "modules/deferred/mesh_batches.h"
 #include "modules/deferred/shadow_fit.h"
@@ -23,6 +24,7 @@ struct DeferredState {
   Query<const Light, const Transform> lights;
   MeshBatches batches;
   MaterialBlock materials;
+  LobeTextures lobes;
   gpu::StreamBuffer blocks{"deferred.blocks", 4096};       // uniform blocks of the frame
   gpu::StreamBuffer instances{"deferred.instances", 256 * 1024};
   gpu::StreamSlice opaque_records;

@@ -86,5 +86,19 @@ TEST_F(DeferredPasses, ShowAtOnceWhatNobodyElseReads) {
   EXPECT_EQ(studio.passes(), (Names{"deferred.clear", "deferred.sky", "deferred.present"}));
 }
 
+// The table of the sky's reflection is dear: whichever pass shades, it is the same.
+TEST_F(DeferredPasses, ShareTheLobeTable) {
+  Studio studio;
+  studio.look({0, 1, 5}, {0, 1, 0});
+  studio.put(studio.mesh(sphereMesh(8, 16)), 0, {0, 1, 0}, vec3(0.5f));
+  studio.render();
+  studio.app.frame().keep(kRadiance, false);
+  const uint64_t textures = gpu::counters().textures;
+  studio.render();
+  EXPECT_EQ(studio.app.frame().runCount("deferred.light"), 1u);
+  EXPECT_EQ(studio.app.frame().runCount("deferred.display_light"), 1u);
+  EXPECT_EQ(gpu::counters().textures, textures);
+}
+
 }  // namespace
 }  // namespace scree::test
