@@ -7,30 +7,17 @@
 
 #include "engine/assets/gltf.h"
 #include "engine/assets/mesh_data.h"
+#include "engine/assets/texel.h"
 #include "modules/lod/lod.h"
 
 namespace scree {
 namespace {
 
-// The texel at uv, linear; nearest: the mean over a surface needs no more.
-vec3 texelOf(const MaterialStore& materials, int image_index, vec2 uv, vec3 if_none) {
-  if (image_index < 0) return if_none;
-  const ImageData& image = materials.image(image_index);
-  if (image.bytes.empty()) return if_none;
-  const auto wrapped = [](float v, int size) {
-    const float part = v - std::floor(v);
-    return std::clamp(static_cast<int>(part * static_cast<float>(size)), 0, size - 1);
-  };
-  const auto at = static_cast<size_t>(wrapped(uv.y, image.height) * image.width + wrapped(uv.x, image.width)) *
-                  static_cast<size_t>(image.channels);
-  vec3 value;
-  for (int k = 0; k < 3; ++k) {
-    const float code = static_cast<float>(image.bytes[at + static_cast<size_t>(std::min(k, image.channels - 1))]) / 255;
-    value[k] = image.encoding != ColorEncoding::Srgb ? code
-               : code <= 0.04045f                    ? code / 12.92f
-                                                     : std::pow((code + 0.055f) / 1.055f, 2.4f);
-  }
-  return value;
+// White if there is none, or its pixels are not kept. Nearest: the mean over a surface needs no more.
+vec4 mapped(const MaterialStore& materials, const TextureUse& use, vec2 uv) {
+  if (use.image < 0) return vec4(1);
+  const ImageData& image = materials.image(use.image);
+  return image.bytes.empty() && image.floats.empty() ? vec4(1) : nearestTexel(image, use, uv);
 }
 
 constexpr int kSteps = 4;  // samples along an edge of a triangle
@@ -54,9 +41,8 @@ void addPart(const MaterialStore& materials, const MeshData& mesh, Means& means)
       for (int j = 0; j < kSteps - i; ++j) {
         const float u = (static_cast<float>(i) + 1.0f / 3) / kSteps, v = (static_cast<float>(j) + 1.0f / 3) / kSteps;
         const vec2 uv = a.uv + (b.uv - a.uv) * u + (c.uv - a.uv) * v;
-        const vec3 surface = texelOf(materials, material.metallic_roughness_map.image, uv, vec3(1));
-        means.albedo += area * dvec3(vec3(material.base_color) *
-                                     texelOf(materials, material.base_color_map.image, uv, vec3(1)));
+        const vec4 surface = mapped(materials, material.metallic_roughness_map, uv);
+        means.albedo += area * dvec3(vec3(material.base_color) * vec3(mapped(materials, material.base_color_map, uv)));
         means.roughness += area * static_cast<double>(material.roughness * surface.y);
         means.metallic += area * static_cast<double>(material.metallic * surface.z);
         const vec3 normal = a.normal + (b.normal - a.normal) * u + (c.normal - a.normal) * v;
