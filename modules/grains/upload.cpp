@@ -10,6 +10,7 @@
 #include "modules/deferred/deferred.h"
 #include "modules/grains/state.h"
 #include "shaders/shared/grain.h"
+#include "shaders/shared/swarm.h"
 
 namespace scree::grains {
 namespace {
@@ -32,7 +33,7 @@ void uploadRecords(DrawState& draw) {
     record.position = grain.position;
     record.radius = grain.radius;
     record.previous = previous.position;
-    record.color = rules::packGrainColor(look.color, look.roughness);
+    record.look = rules::packGrainLook(look.color, look.roughness);
     const quat& q = orientation.rotation;
     record.rotation = vec4(q.x, q.y, q.z, q.w);
     record.spin = spin.angular;

@@ -77,7 +77,7 @@ const char* fault(const ImpostorAtlas& a) {
       if (!within(x, 0, kImpostorOutlineUnknown)) return "a bound of its outlines is out of range";
   if (!within(a.errors.outlines.point, 0, kImpostorOutlineUnknown)) return "a bound of its outlines is out of range";
   for (const float x : {a.errors.outlines.full_near, a.errors.outlines.small_near})
-    if (!within(x, 0, kImpostorOutlineUnknown / kImpostorMostNear)) return "a bound of its outlines is out of range";
+    if (!within(x, 0, kImpostorOutlineUnknown / rules::kImpostorMostNear)) return "a bound of its outlines is out of range";
   return nullptr;
 }
 

@@ -175,7 +175,7 @@ ImpostorOutlines outlineBounds(const UnitGrain& grain, const ImpostorAtlas& atla
   // Most at the sharpest levels.
   const auto slope = [&](bool small, const auto& levels) {
     const size_t sharpest = static_cast<size_t>(std::ranges::find_if(levels, [](float x) { return x < kImpostorOutlineUnknown; }) - levels.begin());
-    return std::max(worst(static_cast<int>(sharpest), small, kImpostorMostNear) - levels[sharpest], 0.0f) / kImpostorMostNear;
+    return std::max(worst(static_cast<int>(sharpest), small, rules::kImpostorMostNear) - levels[sharpest], 0.0f) / rules::kImpostorMostNear;
   };
   const auto disc = static_cast<float>(pointRadius(grain));
   bounds.point = kOutlineMargin * static_cast<float>(worstOf([&](const vec3& axis) {

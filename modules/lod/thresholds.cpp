@@ -3,14 +3,13 @@
 #include <cmath>
 
 #include "modules/lod/state.h"
+#include "shaders/shared/impostor.h"
 
 namespace scree {
 namespace {
 
 // A point shows on 2 x 2 pixels at most.
 constexpr float kMostPointPx = 0.82f;
-// Impostors were measured up to this outer radius / distance of the eye.
-constexpr float kMostNear = 0.3f;
 const float kEver = 2 * rules::kLargestPx;
 
 // Largest size at which size (share + more size / pixels_at_1m) is no more than the tolerance, all at least 0.
@@ -103,7 +102,7 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings,
     t.impostor_from_px = full.from;
     t.impostor_px = full.to;
   }
-  t.impostor_px = std::min(t.impostor_px, kMostNear / (1 + std::max(settings.band, 0.0f)) * pixels_at_1m);
+  t.impostor_px = std::min(t.impostor_px, rules::kImpostorMostNear / (1 + std::max(settings.band, 0.0f)) * pixels_at_1m);
   return t;
 }
 
@@ -118,7 +117,7 @@ float outlineErrorPx(const GrainShape& shape, uint32_t representation, float siz
   }
   const Outline& outline = representation == rules::kSmallImpostor ? kSmall : kFull;
   for (const SizeError& e : shape.impostor)
-    if (size_px <= e.size_px && near <= kMostNear) return size_px * (e.*outline.share + e.*outline.near * near);
+    if (size_px <= e.size_px && near <= rules::kImpostorMostNear) return size_px * (e.*outline.share + e.*outline.near * near);
   return -1;
 }
 

@@ -3,6 +3,7 @@
 #include "lib/gbuffer.glsl"
 #include "shared/grain.h"
 #include "shared/sphere.h"
+#include "shared/swarm.h"
 
 layout(binding = kPassTextureUnit) uniform usampler2D visible_grains;
 
@@ -30,11 +31,11 @@ void main() {
 
   float contrast = grainContrast(grain.radius * view.pixels_at_1m / max(hit.t, view.near_m));
   Surface s;
-  s.albedo = unpackGrainColor(grain.color) * grainPattern(local, contrast);
+  s.albedo = tintOf(grain.look) * grainPattern(local, contrast);
   s.metallic = 0.0;
   s.spread = 0.0;
   s.normal_ws = hit.normal;
-  s.roughness = unpackGrainRoughness(grain.color);
+  s.roughness = roughnessOf(grain.look);
   s.motion_px = motion_px;
   s.id = grain.id;
   writeGbuffer(s);

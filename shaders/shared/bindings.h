@@ -22,7 +22,7 @@ const int kSwarmCountsBinding = 5;           // of each run, by representation
 const int kSwarmPrefixBinding = 6;           // walked runs; then counts before a run, in its block, before a block
 const int kSwarmListBinding = 7;             // grains by representation
 const int kSwarmCommandsBinding = 8;
-const int kCandidateMapBinding = 9;          // nearest grain by cell: shared/swarm.h
+const int kCandidateMapBinding = 9;          // nearest grain by cell: shared/candidate.h
 const int kPointKeysBinding = 10;            // shared/points.h, by pixel
 const int kPointSumsBinding = 11;
 const int kPointIdsBinding = 12;
@@ -56,7 +56,9 @@ const int kPyramidUnit = 15;       // lib/occlusion.glsl; the last that every st
 
 // Image units.
 const int kPyramidImage = 0;       // and the two above: three levels of the depth pyramid
-const int kImpostorCoverageImage = 3;  // shared/coverage.h
+const int kImpostorCoverageImage = 3;  // shared/coverage.h: a packed atlas
+const int kImpostorHeightImage = 4;
+const int kImpostorSurfaceImage = 5;   // of two words: color, normal
 const int kOverdrawImage = 0;      // in points.count: shared/swarm_view.h
 
 // Vertex attributes of meshes (engine/assets/mesh_data.h); from kFirstFreeAttribute up: a module's own.

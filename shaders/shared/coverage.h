@@ -8,10 +8,6 @@
 #include "shared/prelude.h"
 RULES_BEGIN
 
-// Image units, after kImpostorCoverageImage.
-const int kImpostorHeightImage = 4;
-const int kImpostorSurfaceImage = 5;  // of two words: color, normal
-
 // p is a power of two, and this too.
 const int kCoverageMostHeight = 16384;
 

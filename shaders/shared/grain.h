@@ -10,7 +10,7 @@ struct GrainRecord {
   vec3 position;  // at the current tick, m
   float radius;
   vec3 previous;  // at the previous tick
-  uint color;     // packGrainColor()
+  uint look;      // packGrainLook() of shared/swarm.h: colour and roughness
   vec4 rotation;  // world from local at the current tick, quaternion x, y, z, w
   vec3 spin;      // rad/s
   uint id;        // entity index + 1
@@ -25,21 +25,6 @@ struct GrainFrame {
   float tick_s;
   uint count;            // grains that are drawn
 };
-
-// Linear colour and roughness in [0, 1], 8 bits each; square roots of the colour, so that dark
-// colours keep their steps.
-RULE uint packGrainColor(vec3 color, float roughness) {
-  vec3 c = clamp(color, 0.0f, 1.0f);
-  uint r = uint(sqrt(c.x) * 255.0f + 0.5f), g = uint(sqrt(c.y) * 255.0f + 0.5f),
-       b = uint(sqrt(c.z) * 255.0f + 0.5f);
-  return r | g << 8u | b << 16u | uint(clamp(roughness, 0.0f, 1.0f) * 255.0f + 0.5f) << 24u;
-}
-RULE vec3 unpackGrainColor(uint code) {
-  vec3 c = vec3(float(code & 255u), float(code >> 8u & 255u), float(code >> 16u & 255u)) *
-           (1.0f / 255.0f);
-  return c * c;
-}
-RULE float unpackGrainRoughness(uint code) { return float(code >> 24u) * (1.0f / 255.0f); }
 
 // Centre at a time between the ticks, relative to where `origin` is relative to.
 RULE vec3 grainCenter(GrainRecord grain, vec3 origin, float alpha) {

@@ -16,6 +16,9 @@ RULES_BEGIN
 const int kImpostorMinEdge = 2;
 const int kImpostorMaxEdge = 33;
 
+// Outlines were measured for eyes at outer radius / distance up to this; nearer ones see no impostor.
+const float kImpostorMostNear = 0.3f;
+
 // Added to the mip level of shape, and of color and normal: measured, see modules/impostors/README.md.
 const float kImpostorShapeBias = -1.0f;
 const float kImpostorColorBias = -0.5f;
