@@ -6,6 +6,8 @@
 #include <glm/common.hpp>
 #include <limits>
 
+#include "shaders/shared/coverage.h"
+
 namespace scree {
 namespace {
 
@@ -62,7 +64,9 @@ float impostorLevelMostPx(int texels, int level) {
 }
 
 uint64_t impostorBytes(int edge, int texels) {
-  return ImpostorAtlas{.edge = edge, .texels = texels}.texelCount() * 10;
+  // shared/coverage.h: a word of coverage, one of heights and two of surface for each texel.
+  const ivec2 size = rules::coverageSize(texels, rules::impostorViewCount(edge));
+  return 16 * static_cast<uint64_t>(size.x) * static_cast<uint64_t>(size.y);
 }
 
 vec2 sampleShape(const ImpostorAtlas& atlas, int level, int layer, vec2 uv) {

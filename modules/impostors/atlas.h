@@ -7,9 +7,12 @@
 //
 // The codes are those of impostorHeightFromCode and impostorNormalFromCode.
 //
-// 10 bytes a texel. Each is an array texture of one layer a view and all mip levels down to 1 x 1,
-// stored level after level, in a level layer after layer, in a layer row after row from the bottom:
-// a level is one glTextureSubImage3D. Views never share a texel in any level.
+// 10 bytes a texel: 13.3 a texel of the finest level, in memory and in the cache's file. What programs read
+// is packed (shared/coverage.h), and takes 24: impostorBytes().
+//
+// Each is an array texture of one layer a view and all mip levels down to 1 x 1, stored level after level, in
+// a level layer after layer, in a layer row after row from the bottom: a level is one glTextureSubImage3D.
+// Views never share a texel in any level.
 //
 // Only coverage is 0 where nothing was seen. The other values are means over what was seen (not
 // multiplied by coverage: filter them as they are, weight the views with coverage), continued
@@ -27,11 +30,11 @@
 
 namespace scree {
 
-// p, a power of two. n, up to which all views fit the layers that every GL has.
+// p, a power of two. n, up to which all views fit the layers that every GL has: for ImpostorStore::bindTextures().
 inline constexpr int kImpostorMinTexels = 16;
 inline constexpr int kImpostorMaxTexels = 256;
 inline constexpr int kImpostorMaxBakedEdge = 23;
-// Largest atlas, bytes.
+// Largest atlas, impostorBytes().
 inline constexpr uint64_t kImpostorMaxBytes = uint64_t{3} << 28;
 
 // ---- Measured error -------------------------------------------------------------------------
@@ -65,14 +68,13 @@ inline constexpr float kImpostorOutlineUnknown = 10;
 struct ImpostorOutlines {
   // By the mip level of coverage, for an eye at infinity.
   std::array<float, kImpostorMostLevels> full, small;
-  // More for a nearer one: of outer radius / distance, up to kImpostorMostNear.
+  // More for a nearer one: of outer radius / distance, up to rules::kImpostorMostNear.
   float full_near = 0, small_near = 0;
   // Of a disc with the mean shadow in the mesh's place, wherever the eye is.
   float point = kImpostorOutlineUnknown;
 
   ImpostorOutlines() { full.fill(kImpostorOutlineUnknown), small.fill(kImpostorOutlineUnknown); }
 };
-inline constexpr float kImpostorMostNear = 0.3f;
 struct ImpostorErrors {
   uint32_t directions = 0;  // 0: not measured
   std::array<std::array<ImpostorError, kImpostorSizes>, kImpostorSchemes> of{};
@@ -109,7 +111,7 @@ struct ImpostorAtlas {
 
 // Largest diameter in pixels at which a mip level of coverage is read.
 float impostorLevelMostPx(int texels, int level);
-// Of an atlas with n and p, all levels.
+// What drawing an atlas with n and p takes on the GPU.
 uint64_t impostorBytes(int edge, int texels);
 
 // ---- Reading an atlas on the CPU ------------------------------------------------------------

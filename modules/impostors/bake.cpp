@@ -105,7 +105,7 @@ Status checkParameters(const BakeParameters& p) {
   if (p.directions < 0 || p.directions > 1024)
     return outside("directions", p.directions, "0 to 1024");
   if (const uint64_t bytes = impostorBytes(p.edge, p.texels); bytes > kImpostorMaxBytes)
-    return Error{fmt::format("impostor: {} views of {} x {} texels take {} MiB, allowed are {}",
+    return Error{fmt::format("impostor: {} views of {} x {} texels take {} MiB on the GPU, allowed are {}",
                              rules::impostorViewCount(p.edge), p.texels, p.texels, bytes >> 20,
                              kImpostorMaxBytes >> 20)};
   return Done{};

@@ -12,12 +12,12 @@ namespace scree {
 struct ImpostorWish {
   float diameter_px = 32;  // the largest at which it is drawn
   float max_flip = 0.02f;  // mean FLIP there
-  uint64_t max_bytes = uint64_t{32} << 20;
+  uint64_t max_bytes = uint64_t{32} << 20;  // impostorBytes()
   ImpostorScheme scheme = ImpostorScheme::Proxy;
 };
 struct ImpostorChoice {
   int edge = 0, texels = 0;
-  uint64_t bytes = 0;
+  uint64_t bytes = 0;  // impostorBytes()
   float flip = 1;     // measured
   bool good = false;  // flip <= max_flip; if not, it is the best that fits max_bytes
 };

@@ -108,7 +108,7 @@ double byMemory(Bench& bench, const std::string& model, const GrainMesh& mesh, c
       const Paired timed = bench.paired({{"proxy", [&] { drawn(grain, atlas, ImpostorScheme::Proxy, kMemoryPx); }}});
       bench.row({.scenario = fmt::format("{} with n {}", model, edge),
                  .label = fmt::format("p {}", side),
-                 .knobs = {{"MiB", static_cast<double>(atlas.bytes()) / (1 << 20)}, {"n", edge}, {"p", side}, {"views", atlas.views()}},
+                 .knobs = {{"MiB", static_cast<double>(impostorBytes(edge, side)) / (1 << 20)}, {"n", edge}, {"p", side}, {"views", atlas.views()}},
                  .time_ms = timed.variants[0].median_ms,
                  .error = static_cast<double>(flip),
                  .error_kind = fmt::format("FLIP to the mesh with 64 samples a pixel, {} px", kMemoryPx),

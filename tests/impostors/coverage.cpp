@@ -1,8 +1,12 @@
 // Coverage as it is packed for drawing: places that do not overlap, and the values that bilinear reading gives.
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <string_view>
 #include <vector>
 
 #include "engine/core/random.h"
+#include "engine/gpu/counters.h"
 #include "engine/gpu/draw.h"
 #include "engine/gpu/gl.h"
 #include "engine/gpu/objects.h"
@@ -61,12 +65,32 @@ TEST(ImpostorCoverage, BetweenIsBilinear) {
 
 class ImpostorCoverageGpu : public test::GlTest {};
 
+TEST_F(ImpostorCoverageGpu, TakesTheMemoryThatIsSaid) {
+  for (const auto& [edge, texels] : {std::pair(2, 16), std::pair(6, 64), std::pair(12, 64), std::pair(10, 128)}) {
+    ImpostorAtlas atlas{.edge = edge, .texels = texels};
+    atlas.shape.resize(2 * atlas.texelCount());
+    atlas.color.resize(4 * atlas.texelCount());
+    atlas.normal.resize(4 * atlas.texelCount());
+    ImpostorStore store;
+    store.set(0, std::move(atlas));
+    const uint64_t before = gpu::counters().live_texture_bytes;
+    store.bind(0);
+    EXPECT_EQ(gpu::counters().live_texture_bytes - before, impostorBytes(edge, texels)) << edge << ", " << texels;
+    // 24 bytes a texel of the finest level, but where the views' last column is not full.
+    const auto finest = static_cast<double>(rules::impostorViewCount(edge) * texels * texels);
+    EXPECT_GE(static_cast<double>(impostorBytes(edge, texels)), 24 * finest);
+    if (rules::impostorViewCount(edge) <= rules::coverageRows(texels)) {
+      EXPECT_EQ(static_cast<double>(impostorBytes(edge, texels)), 24 * finest);
+    }
+  }
+}
+
 constexpr const char* kProgram = "#include \"impostors/atlas.glsl\"\n" R"(#include "impostors/surface.glsl"
 layout(binding = kImpostorColorUnit) uniform sampler2DArray atlas_color;
 layout(binding = kImpostorNormalUnit) uniform sampler2DArray atlas_normal;
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer In { vec4 cases[]; };
-layout(std430, binding = 1) buffer Out { vec4 values[]; };
+layout(std430, binding = 1) buffer Out { vec4 values[]; };  // two a case
 float most(vec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 void main() {
   uint k = gl_GlobalInvocationID.x;
@@ -77,8 +101,8 @@ void main() {
   AtlasSurface surface = surfaceAt(c.xy * steps, steps, from);
   vec4 off_color = abs(surface.color - textureLod(atlas_color, c.xyz, c.w));
   vec4 off_normal = abs(surface.normal - textureLod(atlas_normal, c.xyz, c.w));
-  vec2 off_shape = abs(shapeAt(c.xy * steps, steps, from) - shape);
-  values[k] = vec4(coverageAt(c.xy * steps, steps, from), shape.r, max(off_shape.x, off_shape.y), max(most(off_color), most(off_normal)));
+  values[2u * k] = vec4(shapeAt(c.xy * steps, steps, from), shape);
+  values[2u * k + 1u] = vec4(coverageAt(c.xy * steps, steps, from), most(off_color), most(off_normal), 0.0);
 }
 )";
 
@@ -109,28 +133,45 @@ TEST_F(ImpostorCoverageGpu, IsWhatTextureUnitsRead) {
   const Status compiled = program.compile();
   ASSERT_TRUE(compiled.ok()) << compiled.error();
   ASSERT_TRUE(program.use());
-  gpu::Buffer in("test.cases", std::span<const vec4>(cases)), out("test.values", cases.size() * sizeof(vec4));
+  gpu::Buffer in("test.cases", std::span<const vec4>(cases)), out("test.values", 2 * cases.size() * sizeof(vec4));
   out.fill(0);
   in.bindStorage(0);
   out.bindStorage(1);
   gpu::dispatchItems(cases.size(), 64);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  const auto read = gpu::readBuffer<vec4>(out, cases.size());
-  size_t same = 0;
-  float worst = 0;
+  struct Read {
+    vec2 shape, of_texture;
+    float coverage, off_color, off_normal, unused;
+  };
+  const auto read = gpu::readBuffer<Read>(out, cases.size());
+  size_t same_coverage = 0, same_height = 0, same_color = 0, same_normal = 0;
+  float off_shape = 0, off_color = 0, off_normal = 0;
   for (size_t k = 0; k < cases.size(); ++k) {
     const vec4 c = cases[k];
-    const float expected = sampleShape(atlas, static_cast<int>(c.w), static_cast<int>(c.z), vec2(c)).x;
+    const vec2 expected = sampleShape(atlas, static_cast<int>(c.w), static_cast<int>(c.z), vec2(c));
+    const Read& r = read[k];
     // The place is rounded to 1/256 of a texel along both axes, and each of two steps to 1/255.
-    ASSERT_NEAR(read[k].x, expected, 2.1f / 255) << c.x << " " << c.y << " view " << c.z << " level " << c.w;
-    ASSERT_NEAR(read[k].y, expected, 2.1f / 255) << "texture unit";
-    // Each of both within that.
-    ASSERT_LE(read[k].z, 4.2f / 255) << "coverage and height";
-    ASSERT_LE(read[k].w, 4.2f / 255) << "color and normal";
-    worst = std::max({worst, read[k].z, read[k].w});
-    same += read[k].x == read[k].y;
+    for (int channel = 0; channel < 2; ++channel) {
+      ASSERT_NEAR(r.shape[channel], expected[channel], 2.1f / 255) << c.x << " " << c.y << " view " << c.z << " level " << c.w;
+      ASSERT_NEAR(r.of_texture[channel], expected[channel], 2.1f / 255) << "texture unit";
+      off_shape = std::max(off_shape, std::abs(r.shape[channel] - r.of_texture[channel]));
+    }
+    ASSERT_EQ(r.coverage, r.shape.x);
+    same_coverage += r.shape.x == r.of_texture.x;
+    same_height += r.shape.y == r.of_texture.y;
+    same_color += r.off_color == 0;
+    same_normal += r.off_normal == 0;
+    off_color = std::max(off_color, r.off_color);
+    off_normal = std::max(off_normal, r.off_normal);
   }
-  std::printf("%zu of %zu as the texture unit reads them, to the bit; most of all that is read %.2f steps off\n", same, cases.size(), worst * 255);
+  std::printf("of %zu to the bit as the texture unit reads them: coverage %zu, height %zu, color %zu, normal %zu; off by at most "
+              "%.3f, %.3f, %.3f codes\n", cases.size(), same_coverage, same_height, same_color, same_normal,
+              static_cast<double>(off_shape * 255), static_cast<double>(off_color * 255), static_cast<double>(off_normal * 255));
+  // GL leaves open how a texture unit rounds: here it is known.
+  if (std::string_view(reinterpret_cast<const char*>(glGetString(GL_RENDERER))).starts_with("llvmpipe")) {
+    for (const size_t same : {same_coverage, same_height, same_color, same_normal}) EXPECT_EQ(same, cases.size());
+  }
+  EXPECT_LE(std::max({off_shape, off_color, off_normal}), 2.05f / 255);
 }
 
 }  // namespace

@@ -154,7 +154,7 @@ int main(int argc, char** argv) {
       ->needs(error);
   impostor
       ->add_option("--memory", a.memory_mib,
-                   fmt::format("With --error: at most so much, MiB (default {:g})", a.memory_mib))
+                   fmt::format("With --error: at most so much on the GPU, MiB (default {:g})", a.memory_mib))
       ->type_name("MIB")
       ->needs(error);
   impostor->add_option("--threads", a.threads, "Threads (default 0: one a core)")

@@ -27,9 +27,9 @@ void ProgressBar::show(double done) {
 }
 
 void printAtlas(const ImpostorAtlas& a, double seconds) {
-  fmt::print("{} views (n = {}) of {} x {} texels, {} levels, {:.2f} MiB, in {:.1f} s\n", a.views(),
-             a.edge, a.texels, a.texels, a.levels(), static_cast<double>(a.bytes()) / (1 << 20),
-             seconds);
+  fmt::print("{} views (n = {}) of {} x {} texels, {} levels, {:.2f} MiB, {:.2f} on the GPU, in {:.1f} s\n",
+             a.views(), a.edge, a.texels, a.texels, a.levels(), static_cast<double>(a.bytes()) / (1 << 20),
+             static_cast<double>(impostorBytes(a.edge, a.texels)) / (1 << 20), seconds);
   fmt::print("outer radius R {:.5g} around ({:.4g}, {:.4g}, {:.4g}), inner r/R {:.3f}\n", a.outer,
              a.center.x, a.center.y, a.center.z, a.inner);
 }
