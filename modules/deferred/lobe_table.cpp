@@ -22,8 +22,12 @@ double smithRoot(double cosine, double alpha2) {
 
 // Midpoints over which a beta distribution of n.v is summed up, as far as it reaches.
 constexpr int kCosines = 64;
+struct Cosines {
+  std::array<double, kCosines> cosine, weight;
+  double sum = 0;
+};
 
-rules::LobeTerms spreadLobe(std::span<const vec4> table, float n_v, float roughness, float spread) {
+Cosines cosinesOf(float n_v, float spread) {
   const double mean = std::clamp((1 - static_cast<double>(spread)) * static_cast<double>(n_v), 1e-4, 1 - 1e-6);
   const double variance = std::max(static_cast<double>(rules::spreadVariance(n_v, spread)), 1e-12);
   // No wider than one that falls from an end, or rises to it.
@@ -31,25 +35,28 @@ rules::LobeTerms spreadLobe(std::span<const vec4> table, float n_v, float roughn
   const double up = mean * both - 1, down = (1 - mean) * both - 1;
   const double reach = 5 * std::sqrt(mean * (1 - mean) / (both + 1));
   const double low = std::max(mean - reach, 0.0), high = std::min(mean + reach, 1.0);
-  std::array<double, kCosines> weight;
-  const auto cosine = [&](int k) { return low + (high - low) * (k + 0.5) / kCosines; };
+  Cosines c;
   double most = -1e300;
-  for (int k = 0; k < kCosines; ++k) {
-    weight[static_cast<size_t>(k)] = up * std::log(cosine(k)) + down * std::log(1 - cosine(k));
-    most = std::max(most, weight[static_cast<size_t>(k)]);
+  for (size_t k = 0; k < kCosines; ++k) {
+    c.cosine[k] = low + (high - low) * (static_cast<double>(k) + 0.5) / kCosines;
+    c.weight[k] = up * std::log(c.cosine[k]) + down * std::log(1 - c.cosine[k]);
+    most = std::max(most, c.weight[k]);
   }
-  double sum = 0, a = 0, b = 0;
-  for (int k = 0; k < kCosines; ++k) {
-    const double w = std::exp(weight[static_cast<size_t>(k)] - most);
-    const rules::LobeTerms t = sampleLobeTable(table, static_cast<float>(cosine(k)), roughness);
-    sum += w;
-    a += w * static_cast<double>(t.a);
-    b += w * static_cast<double>(t.b);
+  for (double& weight : c.weight) c.sum += weight = std::exp(weight - most);
+  return c;
+}
+
+rules::LobeTerms spreadLobe(std::span<const vec4> table, const Cosines& cosines, float n_v, float roughness, float spread) {
+  double a = 0, b = 0;
+  for (size_t k = 0; k < kCosines; ++k) {
+    const rules::LobeTerms t = sampleLobeTable(table, static_cast<float>(cosines.cosine[k]), roughness);
+    a += cosines.weight[k] * static_cast<double>(t.a);
+    b += cosines.weight[k] * static_cast<double>(t.b);
   }
   const float alpha = rules::alphaFromRoughness(roughness);
   const rules::LobeTerms wide =
       sampleLobeTable(table, n_v, std::sqrt(std::sqrt(rules::spreadAlpha2(alpha * alpha, spread))));
-  return {static_cast<float>(a / sum), static_cast<float>(b / sum), wide.tangent, wide.normal};
+  return {static_cast<float>(a / cosines.sum), static_cast<float>(b / cosines.sum), wide.tangent, wide.normal};
 }
 
 }  // namespace
@@ -131,12 +138,14 @@ std::vector<vec4> makeSpreadLobeTables(std::span<const vec4> table) {
   parallelChunks(rules::kSpreadSteps, 1, [&](size_t, size_t begin, size_t end) {
     for (size_t step = begin + 1; step <= end; ++step) {
       const float spread = rules::spreadFromCode(static_cast<int>(step));
-      for (int y = 0; y < kSize; ++y)
-        for (int x = 0; x < kSize; ++x) {
-          const float root = static_cast<float>(x) / (kSize - 1), roughness = static_cast<float>(y) / (kSize - 1);
-          const rules::LobeTerms t = spreadLobe(table, std::max(root * root, 1e-4f), roughness, spread);
+      for (int x = 0; x < kSize; ++x) {
+        const float root = static_cast<float>(x) / (kSize - 1), n_v = std::max(root * root, 1e-4f);
+        const Cosines cosines = cosinesOf(n_v, spread);
+        for (int y = 0; y < kSize; ++y) {
+          const rules::LobeTerms t = spreadLobe(table, cosines, n_v, static_cast<float>(y) / (kSize - 1), spread);
           tables[step * table.size() + static_cast<size_t>(y * kSize + x)] = vec4(t.a, t.b, t.tangent, t.normal);
         }
+      }
     }
   });
   return tables;

@@ -201,11 +201,13 @@ TEST(Brdf, TableErrorIsAsStated) {
   ASSERT_EQ(table.size(), 1024u);
   double worst_a = 0, worst_b = 0, squares = 0, worst_mean = 0;
   int count = 0;
-  for (int i = 0; i < 40; ++i)
-    for (int j = 0; j < 40; ++j) {
-      const double n_v = 0.003 + 0.997 * (i + 0.5) / 40;
-      const float roughness = 0.045f + 0.955f * (static_cast<float>(j) + 0.5f) / 40;
-      const rules::LobeTerms exact = integrateLobe(n_v, rules::alphaFromRoughness(roughness), 4096);
+  // Dense at grazing angles, as the table is: it is worst there.
+  constexpr int kSteps = 100;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j) {
+      const double root = 0.055 + 0.945 * (i + 0.5) / kSteps, n_v = root * root;
+      const float roughness = 0.045f + 0.955f * (static_cast<float>(j) + 0.5f) / kSteps;
+      const rules::LobeTerms exact = integrateLobe(n_v, rules::alphaFromRoughness(roughness), 2048);
       const rules::LobeTerms t = sampleLobeTable(table, static_cast<float>(n_v), roughness);
       const double sine = std::sqrt(1 - n_v * n_v);
       worst_a = std::max<double>(worst_a, std::abs(t.a - exact.a));
@@ -217,9 +219,9 @@ TEST(Brdf, TableErrorIsAsStated) {
   std::printf("table: a max %.4f rms %.5f, b max %.4f, mean direction max %.4f\n", worst_a,
               std::sqrt(squares / count), worst_b, worst_mean);
   EXPECT_LT(worst_a, 0.011);
-  EXPECT_LT(worst_b, 0.013);
-  EXPECT_LT(std::sqrt(squares / count), 0.0008);
-  EXPECT_LT(worst_mean, 0.05);
+  EXPECT_LT(worst_b, 0.023);
+  EXPECT_LT(std::sqrt(squares / count), 0.0007);
+  EXPECT_LT(worst_mean, 0.006);
   for (const vec4& t : table) {
     for (int k = 0; k < 4; ++k) EXPECT_TRUE(std::isfinite(t[k]));
     EXPECT_TRUE(t.x >= 0 && t.y >= 0 && t.x + t.y <= 1.0005f) << t.x << " " << t.y;
