@@ -41,16 +41,17 @@ void markSunTiles(ivec2 low, ivec2 high, ivec2 size) {
 // Every `step`th row, from `first` on: texels with their middles in the disc, and that which its own middle is in. A disc
 // so small that it holds no texel's middle would otherwise be lost, and with it what it casts for: its cell.
 void drawDisc(Caster caster, int first, int step) {
-  float reach = caster.radius;
+  // The middle of that texel is nearer than any other's. And a little more than floats round.
+  vec2 to_own = floor(caster.texel) + 0.5 - caster.texel;
+  float reach2 = max(caster.radius * caster.radius, 1.001 * dot(to_own, to_own)), reach = sqrt(reach2) + 0.001;
   ivec2 last = ivec2(shadow_view.size_px) - 1;
-  vec2 own = floor(caster.texel);
-  ivec2 low = ivec2(max(min(ceil(caster.texel - reach - 0.5), own), vec2(0.0)));
-  ivec2 high = ivec2(min(max(floor(caster.texel + reach - 0.5), own), vec2(last)));
+  ivec2 low = ivec2(max(ceil(caster.texel - reach - 0.5), vec2(0.0)));
+  ivec2 high = ivec2(min(floor(caster.texel + reach - 0.5), vec2(last)));
   if (first == 0) markSunTiles(low / kTilePx, high / kTilePx, last + 1);
   for (int y = low.y + first; y <= high.y; y += step)
     for (int x = low.x; x <= high.x; ++x) {
       vec2 off = vec2(x, y) + 0.5 - caster.texel;
-      if (dot(off, off) > reach * reach && vec2(x, y) != own) continue;
+      if (dot(off, off) > reach2) continue;
       uint at = uint(y * (last.x + 1) + x);
       if (depth[at] < caster.key) atomicMax(depth[at], caster.key);
     }

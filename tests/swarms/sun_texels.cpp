@@ -34,7 +34,8 @@ struct Layer : SwarmScene {
         return 4 * ((cell + 0.5 + 0.2 * (randomUnit(5, static_cast<uint64_t>(k), 0, at) - 0.5)) / across - 0.5);
       };
       const double along = randomUnit(5, static_cast<uint64_t>(k), 0, 2) - 0.5;
-      grains.push_back({.position = vec3(shaken(k % across, 0) * u + shaken(k / across, 1) * v + along * kToSun), .radius = 0.01f});
+      const dvec3 position = shaken(k % across, 0) * u + shaken(k / across, 1) * v + along * kToSun;
+      grains.push_back({.position = vec3(position), .radius = 0.01f});
     }
     world.add(show(addShape(), grains), CastsShadow{});
     render();
@@ -87,7 +88,8 @@ TEST_F(SunTexels, AreThoseThatADiscCovers) {
     if (expected[t] != kCovered) continue;
     EXPECT_NEAR(static_cast<double>(layer.depth[t]), depth[t], 2.0 / 65535);
   }
-  std::printf("%zu discs, %zu of them without a texel's middle, cover %zu texels\n", layer.grains.size(), without_middle, covered);
+  std::printf("%zu discs, %zu of them without a texel's middle, cover %zu texels\n", layer.grains.size(), without_middle,
+              covered);
   EXPECT_GT(without_middle, 20u);
 }
 
