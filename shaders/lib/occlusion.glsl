@@ -1,4 +1,4 @@
-// Tests spheres against the depth pyramid of this frame, in any stage of any program. The pass that
+// Tests spheres, and bounds of ellipsoids (shared/ellipsoid.h), against the depth pyramid of this frame, in any stage of any program. The pass that
 // uses it reads occlusion.pyramid (Access::Sampled) and calls bindPyramid(); see modules/occlusion.
 #include "shared/bindings.h"
 #include "shared/occlusion.h"
