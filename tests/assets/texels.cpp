@@ -37,7 +37,7 @@ TEST(Texels, GreyIsAllColorsAndTheLastOfTwoAndFourIsAlpha) {
         const auto code = [&](int c) { return static_cast<double>(bytes[static_cast<size_t>(texel * channels + c)]); };
         const auto value = [&](int c) { return encoding == ColorEncoding::Srgb ? linear(code(c)) : code(c) / 255; };
         for (int c = 0; c < 3; ++c)
-          EXPECT_NEAR(static_cast<double>(read[c]), value(channels < 3 ? 0 : c), 1e-7) << channels << " channels, texel " << texel;
+          EXPECT_NEAR(static_cast<double>(read[c]), value(channels < 3 ? 0 : c), 1e-7) << channels << ", " << texel;
         EXPECT_NEAR(static_cast<double>(read.w), channels % 2 == 0 ? code(channels - 1) / 255 : 1, 1e-7);
       }
     }
@@ -73,10 +73,13 @@ TEST(Texels, AreWrappedAndFiltered) {
         for (int j = -40; j <= 40; ++j) {
           const vec2 uv(0.0731f * static_cast<float>(i) + 0.003f, 0.0911f * static_cast<float>(j) + 0.002f);
           const double x = static_cast<double>(uv.x) * kWidth, y = static_cast<double>(uv.y) * kHeight;
-          EXPECT_NEAR(static_cast<double>(nearestTexel(image, use, uv).x), texel(std::floor(x), std::floor(y)), 1e-6) << uv.x << " " << uv.y;
+          const auto nearest = static_cast<double>(nearestTexel(image, use, uv).x);
+          EXPECT_NEAR(nearest, texel(std::floor(x), std::floor(y)), 1e-6) << uv.x << " " << uv.y;
           const double x0 = std::floor(x - 0.5), y0 = std::floor(y - 0.5), u = x - 0.5 - x0, v = y - 0.5 - y0;
-          const double low = texel(x0, y0) * (1 - u) + texel(x0 + 1, y0) * u, high = texel(x0, y0 + 1) * (1 - u) + texel(x0 + 1, y0 + 1) * u;
-          EXPECT_NEAR(static_cast<double>(bilinearTexel(image, use, uv).x), low * (1 - v) + high * v, 1e-5) << uv.x << " " << uv.y;
+          const double low = texel(x0, y0) * (1 - u) + texel(x0 + 1, y0) * u;
+          const double high = texel(x0, y0 + 1) * (1 - u) + texel(x0 + 1, y0 + 1) * u;
+          const auto between = static_cast<double>(bilinearTexel(image, use, uv).x);
+          EXPECT_NEAR(between, low * (1 - v) + high * v, 1e-5) << uv.x << " " << uv.y;
         }
       for (const float far : {1e30f, -1e30f, std::numeric_limits<float>::infinity(), std::nanf("")}) {
         EXPECT_TRUE(std::isfinite(nearestTexel(image, use, {far, -far}).x));

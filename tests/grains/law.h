@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/grains/field.h"
-#include "tests/grains/law_plot.h"
+#include "tests/support/law_plot.h"
 
 namespace scree::grains::test {
 

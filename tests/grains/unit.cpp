@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "tests/grains/field.h"
-#include "tests/grains/law_plot.h"
+#include "tests/support/law_plot.h"
 
 namespace scree::grains::test {
 namespace {

@@ -12,8 +12,8 @@ namespace {
 
 class ImpostorsDrawn : public GlTest {};
 
-struct BeanScene : SwarmScene {
-  explicit BeanScene(ivec2 output = {320, 200}, bool impostors = true) : SwarmScene(output) {
+struct DrawnScene : SwarmScene {
+  explicit DrawnScene(ivec2 output = {320, 200}, bool impostors = true) : SwarmScene(output) {
     if (impostors) addImpostors(app);
   }
   uint32_t addBean() {
@@ -35,7 +35,7 @@ double covered(const std::vector<uint32_t>& ids) {
 
 TEST_F(ImpostorsDrawn, CoverWhatTheMeshDoes) {
   for (const float radius_px : {2.0f, 5.0f, 12.0f, 40.0f, 160.0f}) {
-    BeanScene scene;
+    DrawnScene scene;
     const float distance = 0.5f * static_cast<float>(scene.size.y) / (std::tan(0.4f) * radius_px);
     scene.look({0, 0, distance}, {0, 0, 0});
     const uint32_t shape = scene.addBean();
@@ -69,7 +69,7 @@ TEST_F(ImpostorsDrawn, CoverWhatTheMeshDoes) {
 }
 
 TEST_F(ImpostorsDrawn, CullingChangesNoPixel) {
-  BeanScene scene({256, 160});
+  DrawnScene scene({256, 160});
   scene.look({0, 0, 4}, {0, 0, 0});
   std::vector<SwarmGrain> grains = cloud(6000, 0.7f, 0.03f, 0.12f);
   scene.show(scene.addBean(), grains);
@@ -104,7 +104,7 @@ TEST_F(ImpostorsDrawn, CullingChangesNoPixel) {
 }
 
 TEST_F(ImpostorsDrawn, DepthIsThatOfTheMesh) {
-  BeanScene scene;
+  DrawnScene scene;
   scene.look({0, 0, 6}, {0, 0, 0});
   scene.show(scene.addBean(), cloud(1, 0.01f, 1, 1, 7));
   scene.only(rules::kImpostor);
@@ -130,7 +130,7 @@ TEST_F(ImpostorsDrawn, DepthIsThatOfTheMesh) {
 }
 
 TEST_F(ImpostorsDrawn, OddPlacesAreFinite) {
-  BeanScene scene;
+  DrawnScene scene;
   const uint32_t shape = scene.addBean();
   scene.only(rules::kImpostor);
   // The eye in a grain, at its surface, at the near plane; a grain beside each edge of the picture; 300 px.
@@ -157,7 +157,7 @@ TEST_F(ImpostorsDrawn, NearGrainsNeedNoImpostorWork) {
     for (int frame = 0; frame < 3; ++frame) scene.render();
     return workOf([&] { scene.render(); });
   };
-  BeanScene without({160, 120}, false), with({160, 120});
+  DrawnScene without({160, 120}, false), with({160, 120});
   without.show(without.addBean(), grains);
   with.show(with.addBean(), grains);
   const GpuWork near_without = lookFrom(without, 3), far_without = lookFrom(without, 60);
@@ -170,7 +170,7 @@ TEST_F(ImpostorsDrawn, NearGrainsNeedNoImpostorWork) {
 
 // Nor a pass, where every grain of the swarm is too near.
 TEST_F(ImpostorsDrawn, NearSwarmsRunNoImpostorPass) {
-  BeanScene scene;
+  DrawnScene scene;
   scene.show(scene.addBean(), cloud(10, 0.2f, 0.9f, 1));
   // Runs since the start.
   for (const auto& [distance, runs] : {std::pair{4.0, 0u}, {60.0, 1u}, {4.0, 1u}, {60.0, 2u}}) {
@@ -182,7 +182,7 @@ TEST_F(ImpostorsDrawn, NearSwarmsRunNoImpostorPass) {
 }
 
 TEST_F(ImpostorsDrawn, NearMeshesNeedNoImpostorWork) {
-  BeanScene scene;
+  DrawnScene scene;
   scene.look({0, 0, 4}, {0, 0, 0});
   scene.world.singleton<LodSettings>().tolerance_px = 0;  // nothing but the mesh is good enough
   scene.show(scene.addBean(), cloud(10, 1, 0.5f, 0.5f));

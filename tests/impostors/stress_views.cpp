@@ -7,7 +7,7 @@
 #include "modules/impostors/impostors.h"
 #include "modules/lod/state.h"
 #include "tests/lod/swarm_scene.h"
-#include "tests/occlusion/exact.h"
+#include "tests/support/exact_sphere.h"
 
 namespace scree::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "modules/lod/state.h"
 #include "tests/lod/swarm_scene.h"
-#include "tests/occlusion/exact.h"
+#include "tests/support/exact_sphere.h"
 
 namespace scree::test {
 namespace {

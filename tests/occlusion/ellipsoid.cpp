@@ -7,7 +7,7 @@
 
 #include "shaders/shared/ellipsoid.h"
 #include "shaders/shared/swarm.h"
-#include "tests/occlusion/exact.h"
+#include "tests/support/exact_sphere.h"
 
 namespace scree::test {
 namespace {

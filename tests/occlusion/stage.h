@@ -18,7 +18,7 @@
 #include "modules/deferred/deferred.h"
 #include "modules/occlusion/occlusion.h"
 #include "modules/scene/scene.h"
-#include "tests/occlusion/exact.h"
+#include "tests/support/exact_sphere.h"
 #include "tests/support/gl_fixture.h"
 #include "tests/support/gl_shader_folder.h"
 

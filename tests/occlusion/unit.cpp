@@ -10,7 +10,7 @@
 #include "modules/scene/scene.h"
 #include "shaders/shared/occlusion.h"
 #include "shaders/shared/sphere.h"
-#include "tests/occlusion/exact.h"
+#include "tests/support/exact_sphere.h"
 
 namespace scree::test {
 namespace {

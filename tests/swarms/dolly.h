@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/assets/image_flip.h"
-#include "tests/grains/law_plot.h"
+#include "tests/support/law_plot.h"
 #include "tests/swarms/bean_bed.h"
 
 namespace scree::test {
