@@ -11,8 +11,8 @@ TEST_F(Pop, ImpostorsPointsAndMeshes) {
   scene.show(scene.bean, beanBed(32, 3, 1));
   expectNoPop(dolly(scene, 0.92, 0.64, kNarrow, kStep, true), "pop_to_points");
   expectNoPop(dolly(scene, 0.64, 0.92, kNarrow, kStep, true), "pop_from_points");
-  expectNoPop(dolly(scene, 4.3, 3.7, kNarrow, kStep, true), "pop_to_small");
-  expectNoPop(dolly(scene, 18.5, 15.5, kNarrow, kStep, true), "pop_to_impostors");
+  expectNoPop(dolly(scene, 10.2, 8.2, kNarrow, kStep, true), "pop_to_small");
+  expectNoPop(dolly(scene, 34, 26, kNarrow, kStep, true), "pop_to_impostors");
 }
 
 TEST_F(Pop, LevelsOfMeshes) {
