@@ -19,7 +19,7 @@ namespace scree {
 namespace {
 
 constexpr const char *kKeys = "points.keys", *kSums = "points.sums", *kTiles = "points.tiles";
-constexpr int kSurface = 0, kFacing = 1, kLeastArea = 2, kRadius = 3, kOuterRadius = 4;  // uniform locations
+constexpr int kSurface = 0, kFacing = 1, kLeastArea = 2;  // uniform locations
 void dispatch(const SwarmPart& part) {
   gpu::dispatchIndirect(*part.commands, offsetof(rules::SwarmCommands, point_groups));
 }
@@ -54,7 +54,7 @@ struct Points {
   explicit Points(App& app) : world(app.world()) {}
 
   World& world;
-  gpu::Buffer keys, sums, carries, ids, surfaces;  // by pixel
+  gpu::Buffer keys, sums, carries, radii, ids, surfaces;  // by pixel
   MarkedTiles tiles{kTiles};
   gpu::Program depth = programOf("depth", 0);
   gpu::Program count{{.name = "points.count", .compute = "points/sum.comp", .defines = {"OVERDRAW"}}};
@@ -103,6 +103,7 @@ void splatSums(Points& points, ivec2 size, unsigned features) {
   if (!Points::made(points.sum, "sum", features).use()) return;
   Points::ready(points.sums, kSums, 4, rules::kPointSumsBinding, size);
   Points::ready(points.carries, "points.carries", 1, rules::kPointCarriesBinding, size);
+  Points::ready(points.radii, "points.radii", 1, rules::kPointRadiiBinding, size);
   if ((features & kIds) != 0) Points::ready(points.ids, "points.ids", 1, rules::kPointIdsBinding, size);
   if ((features & kSurfaces) != 0)
     Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size);
@@ -124,19 +125,16 @@ void resolve(Points& points, unsigned features) {
   const GrainShape& shape = points.shape(0);
   program.set(kSurface, vec2(shape.roughness, shape.metallic));
   program.set(kLeastArea, kLeastShare);
-  float radius = 0, outer_radius = 0, facing = 0;
+  float facing = 0;
   const size_t parts = points.swarms().size();
   for (size_t k = 0; k < parts; ++k) {
-    radius = std::max(radius, points.swarms().part(k).largest_radius * points.shape(k).cast_share);
-    outer_radius = std::max(outer_radius, points.swarms().part(k).largest_radius);
     facing += points.shape(k).facing / static_cast<float>(parts);
   }
-  program.set(kRadius, radius);
-  program.set(kOuterRadius, outer_radius);
   program.set(kFacing, facing);
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.sums.bindStorage(rules::kPointSumsBinding);
   points.carries.bindStorage(rules::kPointCarriesBinding);
+  points.radii.bindStorage(rules::kPointRadiiBinding);
   if ((features & kIds) != 0) points.ids.bindStorage(rules::kPointIdsBinding);
   if ((features & kSurfaces) != 0) points.surfaces.bindStorage(rules::kPointSurfacesBinding);
   gpu::apply({.cull = gpu::Cull::None});

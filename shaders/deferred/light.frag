@@ -66,6 +66,9 @@ void main() {
   beam *= lit.sun_irradiance.rgb;
 #ifdef SHADOWS
   vec3 position = ray * distanceFromDepth(near_m, gbufferDepth(pixel));
+#ifdef GBUFFER_READ_SPREAD
+  position -= n * (shadowNormalOffset(n, shadowView()) * spreadUnmoved(s.spread));
+#endif
   beam *= sunVisibility(shadowView(), position, n);
 #endif
   sum += beam;

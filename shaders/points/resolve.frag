@@ -6,6 +6,7 @@
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
 layout(std430, binding = kPointSumsBinding) buffer Sums { uvec4 sums[]; };
 layout(std430, binding = kPointCarriesBinding) buffer Carries { uint carries[]; };
+layout(std430, binding = kPointRadiiBinding) readonly buffer Radii { uint radii[]; };
 #ifdef SURFACES
 layout(std430, binding = kPointSurfacesBinding) buffer Surfaces { uvec2 surfaces[]; };
 #endif
@@ -16,8 +17,6 @@ layout(std430, binding = kPointIdsBinding) readonly buffer Ids { uint ids[]; };
 layout(location = 0) uniform vec2 surface;      // roughness, metalness
 layout(location = 1) uniform float facing;      // mean cosine between a face of the grains and its normals
 layout(location = 2) uniform float least_area;  // share of a pixel
-layout(location = 3) uniform float radius;      // of the largest point, m
-layout(location = 4) uniform float outer_radius;  // of the largest grain, m
 
 in vec3 ray;
 
@@ -32,8 +31,8 @@ vec2 changeAround(ivec2 pixel, float inverse) {
   float most = kMostSlope / view.pixels_at_1m * inverse;
   for (int k = 0; k < 9; ++k) {
     ivec2 offset = ivec2(k % 3 - 1, k / 3 - 1);
-    float change = uintBitsToFloat(keys[at(pixel + offset)] & ~kPointMark) - inverse;
-    if (abs(change) > most) continue;  // none, or of another surface
+    float other = uintBitsToFloat(keys[at(pixel + offset)] & ~kPointMark), change = other - inverse;
+    if (other == 0.0 || abs(change) > most) continue;  // none, or of another surface
     sum += vec2(offset) * change;
     weight += vec2(offset * offset);
   }
@@ -80,14 +79,14 @@ void main() {
   if (key == 0u || (lone && !shows && area < kLoneArea)) discard;
   float foremost = uintBitsToFloat(key);
   vec2 change = changeAround(pixel, foremost);
-  float radius_px = radius * view.pixels_at_1m * foremost;
-  float inverse = middleInverse(foremost, change, radius_px);
+  vec2 radii_px = unpackPointRadii(radii[id_at]);
+  float inverse = middleInverse(foremost, change, radii_px.y);
   vec3 to_eye = -normalize(ray), up = surfaceNormal(foremost, change);
   float steepness = lone ? 0.0 : bedSteepness(dot(to_eye, up), kBedPacking * min(area, 1.0));
   if (!lone) {
-    float along = 1.0 / inverse, band = pointBand(outer_radius, along / view.pixels_at_1m);
-    float packing = 4.0 / 3.0 * radius * area / max(band - (along - 1.0 / foremost), radius);
-    inverse = 1.0 / (along + radius * bedShadowDepth(packing, pointsAPixel(radius_px)));
+    float away = view.pixels_at_1m, receded = away * (foremost / inverse - 1.0);  // in pixels as wide as they are there
+    float packing = 4.0 / 3.0 * radii_px.y * area / max(pointBand(radii_px.x, 1.0) - receded, radii_px.y);
+    inverse /= 1.0 + bedSeenDepth(packing, radii_px) / away;
   }
   gl_FragDepth = min(view.near_m * inverse, 1.0);
 

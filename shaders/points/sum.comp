@@ -12,6 +12,7 @@ layout(r32ui, binding = kOverdrawImage) uniform uimage2D overdraw;
 
 layout(std430, binding = kPointSumsBinding) buffer Sums { uint sums[]; };  // r, g, b, area a pixel
 layout(std430, binding = kPointCarriesBinding) buffer Carries { uint carries[]; };
+layout(std430, binding = kPointRadiiBinding) buffer Radii { uint radii[]; };  // of the foremost
 #ifdef SURFACES
 layout(std430, binding = kPointSurfacesBinding) buffer Surfaces { uint surfaces[]; };  // roughness, metalness
 #endif
@@ -75,11 +76,16 @@ void main() {
     else visible.y &= visible.y - 1u;
     SwarmRecord record = records[grain];
     Seen seen = seenOf(record);
-#ifdef IDS
+    float pixel_m = seen.along / view.pixels_at_1m, radius_px = min(seen.radius * swarm.albedo.a / pixel_m, kLargestPointPx);
+#ifndef OVERDRAW
     uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
-    if (pointKey(seen.front) == (keys[at] & ~kPointMark)) atomicMax(ids[at], idOf(grain));
+    if (pointKey(seen.front) == (keys[at] & ~kPointMark)) {
+      atomicMax(radii[at], packPointRadii(vec2(seen.radius / pixel_m, radius_px)));
+#ifdef IDS
+      atomicMax(ids[at], idOf(grain));
 #endif
-    float radius_px = min(seen.radius * swarm.albedo.a / (seen.along / view.pixels_at_1m), kLargestPointPx);
+    }
+#endif
     vec2 corner = seen.pixel_px - 0.5;
     ivec2 base = ivec2(floor(corner));
     vec2 fraction = corner - vec2(base);

@@ -6,6 +6,7 @@
 // of the side, so that the share of sides seen is exp(steepness n.up) of those that face the eye. Directions are
 // unit vectors; means are over what the eye sees.
 #pragma once
+#include "shared/points.h"
 #include "shared/prelude.h"
 RULES_BEGIN
 
@@ -39,12 +40,13 @@ RULE float bedSeen(vec3 shares, float facing) {
   return shares.x + shares.y * (2.0f / 3.0f) * facing + shares.z * (0.25f + 0.25f * facing * facing);
 }
 
-// Where shadows fall on what is seen in a pixel, radii behind the mean front of its foremost ball: the looser the bed, the
-// deeper sun and eye both reach into it, and of many balls the foremost is nearer than most. `packing`: balls / volume,
-// in (0, 1); balls: of how many the pixel is wide. Fitted to the light of heaps of packing 0.2 to 0.74: README.md.
-RULE float bedShadowDepth(float packing, float balls) {
+// How deep what is seen in a pixel lies behind the mean front of its foremost ball, pixels: sun and eye reach the deeper
+// between the balls the looser they lie, and of many the foremost is nearer than most. `packing`: balls / volume;
+// radii_px: see points.h. Fitted to the shadows on beds: modules/points/README.md. At most a third of a radius behind the
+// foremost's centre, in front of what it lies on.
+RULE float bedSeenDepth(float packing, vec2 radii_px) {
   float loose = -log(clamp(packing, 0.1f, 1.0f));
-  return (1.1f + 0.3f * loose) * loose * (1.0f - 0.75f / max(balls, 1.0f));
+  return min(radii_px.y * loose * (1.0f - 1.0f / pointsAPixel(radii_px.y)), radii_px.x);
 }
 
 // Mean of their normals: integrals of one to three normals over the half sphere, weighted by the cosine to the eye.

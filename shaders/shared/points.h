@@ -6,6 +6,8 @@ RULES_BEGIN
 
 // The map of candidates is of no use here.
 const int kPointCarriesBinding = kCandidateMapBinding;
+// Nor are the runs' counts.
+const int kPointRadiiBinding = kSwarmCountsBinding;
 
 // Sums are kept in whole numbers, whose order of addition does not matter: areas in this part of a pixel.
 // Colours of up to 255 times 2,056 pixels of area fit in 32 bits, and 1,024 times that with ten bits of carries;
@@ -45,10 +47,16 @@ const float kLoneArea = 1.0f;
 // a surface, and how far a surface seen at 45 degrees recedes within a pixel. m.
 RULE float pointBand(float radius, float pixel_m) { return 2.5f * radius + pixel_m; }
 
+// The radii of a pixel's foremost point, in pixels: outer, and that of a ball with its mean shadow.
+RULE uint packPointRadii(vec2 radii_px) { return packHalf2x16(radii_px); }
+RULE vec2 unpackPointRadii(uint code) { return unpackHalf2x16(code); }
+
+// How many points fill a pixel.
+RULE float pointsAPixel(float radius_px) { return max(1.0f / (3.14159265f * max(radius_px * radius_px, 1e-6f)), 1.0f); }
+
 // 1 / distance of the surface in the middle of a pixel, from that of its foremost point: where the surface recedes
 // within the pixel, the foremost of many points lies near its nearest edge, which shadows fall behind. Of n at random
 // on [0, 1] the greatest is n / (n + 1) in the mean. `change`: from pixel to pixel; n: as many as fill the pixel.
-RULE float pointsAPixel(float radius_px) { return max(1.0f / (3.14159265f * radius_px * radius_px), 1.0f); }
 RULE float middleInverse(float foremost, vec2 change, float radius_px) {
   float n = pointsAPixel(radius_px);
   float nearer = 0.5f * (n - 1.0f) / (n + 1.0f) * (abs(change.x) + abs(change.y));

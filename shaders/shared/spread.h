@@ -42,6 +42,11 @@ RULE vec2 spreadMoments(float c, float spread) {
   return vec2(mean, mean * mean + spreadVariance(c, spread));
 }
 
+// A flat receiver is moved out of the steps of the shadow map (shadowNormalOffset() of shared/shadow.h); so much of that
+// is left out where normals spread: what is seen of balls is no plane, and lies lower than the discs that the map shows.
+// Fitted to the light of beds with balls of half a texel to 12 texels: modules/points/README.md.
+RULE float spreadUnmoved(float spread) { return min(2.4f * spread, 1.0f); }
+
 // Squared GGX width (alpha^2) of what the surface's mean alpha^2 and its normals make together. Variances of slopes
 // add (LEAN mapping, Olano and Baker 2010), and a lobe's alpha^2 is twice its variance. Normals of Gaussian slopes
 // with a = twice the variance have a mean of length sqrt(pi / a) exp(1 / a) erfc(1 / sqrt(a)), whose inverse is
