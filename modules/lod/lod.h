@@ -108,6 +108,7 @@ class SwarmStore {
     std::string name;
     uint32_t shape = 0;
     float largest_radius = 1, least_radius = 1;  // m
+    float least_roughness = 1, most_roughness = 1;  // factors of the shape's
     uint64_t count = 0;
     uint64_t refused = 0;  // left out
     vec3 min{0}, max{0};   // of the centres, m
@@ -204,6 +205,8 @@ struct SwarmPart {
   uint32_t shape = 0;
   uint32_t first = 0, count = 0, runs = 0;  // numbers of its grains, over all that is drawn
   float largest_radius = 0;                 // outer, m
+  float least_roughness = 1, most_roughness = 1;  // factors of the shape's
+  uint32_t possible = 0;                    // a bit for each representation that some of its grains may have
   const gpu::Buffer* commands = nullptr;
   const gpu::Buffer* list = nullptr;
 };

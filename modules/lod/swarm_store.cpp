@@ -46,6 +46,9 @@ void bound(SwarmStore::Stored& stored, const rules::SwarmRecord& record) {
   stored.min = stored.count == 0 ? p : glm::min(stored.min, p);
   stored.max = stored.count == 0 ? p : glm::max(stored.max, p);
   stored.least_radius = stored.count == 0 ? radius : std::min(stored.least_radius, radius);
+  const float roughness = rules::roughnessOf(record.look);
+  stored.least_roughness = stored.count == 0 ? roughness : std::min(stored.least_roughness, roughness);
+  stored.most_roughness = stored.count == 0 ? roughness : std::max(stored.most_roughness, roughness);
   ++stored.count;
 }
 

@@ -143,7 +143,8 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
   const LodThresholds t = thresholdsOf(shape, settings, view.block.pixels_at_1m, 1 + glm::dot(corner, corner));
   const float band = std::max(settings.band, 0.0f);
   setThresholds(block, t, band);
-  state.possible |= possibleOf(t, shape.levels.size(), band, sizesOf(stored, vec3(block.origin), view.block.pixels_at_1m));
+  const uint32_t possible = possibleOf(t, shape.levels.size(), band, sizesOf(stored, vec3(block.origin), view.block.pixels_at_1m));
+  state.possible |= possible;
   block.cull = settings.cull ? 1 : 0;
   const bool grains_apart = settings.view == SwarmView::Representation || settings.view == SwarmView::Frozen;
   block.same_id = grains_apart ? 0 : 1;
@@ -168,6 +169,9 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     part.casts = placed.casts;
     part.cast_share = shape.cast_share;
     part.largest_radius = stored.largest_radius;
+    part.least_roughness = stored.least_roughness;
+    part.most_roughness = stored.most_roughness;
+    part.possible = possible;
     constexpr uint32_t kLate = (1u << rules::kFirst) - (1u << rules::kSmallImpostor);
     block.listed = kLate << rules::kFirst;
     part.early = state.blocks.write(block);

@@ -64,12 +64,30 @@ struct Points {
   const GrainShape& shape(size_t part) {
     return world.singleton<const SwarmStore>().shape(swarms().part(part).shape);
   }
-  // Swarms that differ in more than colour sum that up too.
+  // What points look like, but for colour.
+  struct Look {
+    vec2 surface{0};  // roughness, metalness; of some point
+    bool one = true;  // of all of them
+    float facing = 0;  // mean over the parts
+  };
+  Look look() {
+    Look look;
+    float parts = 0;
+    for (size_t k = 0; k < swarms().size(); ++k) {
+      const SwarmPart& part = swarms().part(k);
+      if ((part.possible >> rules::kPoint & 1) == 0) continue;
+      const vec2 surface(shape(k).roughness * part.least_roughness, shape(k).metallic);
+      look.one = look.one && (parts == 0 || surface == look.surface) && part.least_roughness == part.most_roughness;
+      look.surface = surface;
+      look.facing += shape(k).facing;
+      ++parts;
+    }
+    look.facing /= std::max(parts, 1.0f);
+    return look;
+  }
+  // Points that differ in more than colour sum that up too.
   unsigned features(const Frame& frame) {
-    unsigned set = (frame.isRead(kGbufferMotion) ? kMotion : 0u) | (frame.isRead(kGbufferId) ? kIds : 0u);
-    for (size_t k = 1; k < swarms().size(); ++k)
-      if (shape(k).roughness != shape(0).roughness || shape(k).metallic != shape(0).metallic) set |= kSurfaces;
-    return set;
+    return (frame.isRead(kGbufferMotion) ? kMotion : 0u) | (frame.isRead(kGbufferId) ? kIds : 0u) | (look().one ? 0u : kSurfaces);
   }
   static gpu::Program& made(Programs& programs, const char* name, unsigned set) {
     if (!programs[set]) programs[set] = programOf(name, set);
@@ -122,15 +140,10 @@ void count(Points& points, const gpu::Texture& overdraw) {
 void resolve(Points& points, unsigned features) {
   gpu::Program& program = Points::made(points.resolve, "resolve", features);
   if (!program.use()) return;
-  const GrainShape& shape = points.shape(0);
-  program.set(kSurface, vec2(shape.roughness, shape.metallic));
+  const Points::Look look = points.look();
+  program.set(kSurface, look.surface);
+  program.set(kFacing, look.facing);
   program.set(kLeastArea, kLeastShare);
-  float facing = 0;
-  const size_t parts = points.swarms().size();
-  for (size_t k = 0; k < parts; ++k) {
-    facing += points.shape(k).facing / static_cast<float>(parts);
-  }
-  program.set(kFacing, facing);
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.sums.bindStorage(rules::kPointSumsBinding);
   points.carries.bindStorage(rules::kPointCarriesBinding);

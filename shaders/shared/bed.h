@@ -42,11 +42,11 @@ RULE float bedSeen(vec3 shares, float facing) {
 
 // How deep what is seen in a pixel lies behind the mean front of its foremost ball, pixels: sun and eye reach the deeper
 // between the balls the looser they lie, and of many the foremost is nearer than most. `packing`: balls / volume;
-// radii_px: see points.h. Fitted to the shadows on beds: modules/points/README.md. At most a third of a radius behind the
-// foremost's centre, in front of what it lies on.
+// radii_px: see points.h. Fitted to the shadows on beds: modules/points/README.md. Not behind the foremost's centre, so
+// that what it lies on does not hide it.
 RULE float bedSeenDepth(float packing, vec2 radii_px) {
   float loose = -log(clamp(packing, 0.1f, 1.0f));
-  return min(radii_px.y * loose * (1.0f - 1.0f / pointsAPixel(radii_px.y)), radii_px.x);
+  return min(radii_px.y * loose * (1.0f - 1.0f / pointsAPixel(radii_px.y)), kMeanFront * radii_px.x);
 }
 
 // Mean of their normals: integrals of one to three normals over the half sphere, weighted by the cosine to the eye.

@@ -19,6 +19,7 @@ struct Weather {
 };
 const Weather kWeathers[] = {{"sun", 3, {vec3(0), vec3(0), vec3(0)}}, {"sky", 0, Sky{}}, {"sun and sky", 3, Sky{}}};
 const dvec3 kSuns[] = {{0.2, 1, 0.8}, {0.1, 0.4, 1}, {1, 0.8, 0}, {-1, 0.4, 0.1}, {0.3, 1, -0.8}, {0.1, 0.4, -1}, {0, 1, 0}};
+constexpr size_t kAhead = 5;
 
 // The eye looks at the bed's middle from this angle above it; one pixel there is 1 m, and all of the picture is bed.
 struct BedScene : PointScene {
@@ -40,14 +41,14 @@ struct Range {
   void print() const { std::printf("  %+5.1f to %+5.1f", 100 * (least - 1), 100 * (most - 1)); }
 };
 
-// By how much the mean luminance may be off, with sun and sky, sun alone or sky alone. From 22 degrees a sun ahead of the
-// eye or above it is off by more: README.md.
+// By how much the mean luminance may be off, with sun and sky, sun alone or sky alone. From 22 degrees one sun, low and
+// straight ahead, of which little light comes back, is a third too bright: README.md.
 TEST_F(PointLight, OfABedIsThatOfManyRays) {
   struct Case {
     float radius;
-    double elevation, most, most_alone;
+    double elevation, most, most_sun, most_sky;
   };
-  for (const Case& view : {Case{0.5f, 45, 0.012, 0.03}, Case{0.5f, 80, 0.012, 0.025}, Case{0.3f, 45, 0.012, 0.03}, Case{0.5f, 22, 0.04, 1}}) {
+  for (const Case& view : {Case{0.5f, 45, 0.012, 0.03, 0.01}, Case{0.5f, 80, 0.012, 0.025, 0.01}, Case{0.3f, 45, 0.012, 0.03, 0.01}, Case{0.5f, 22, 0.04, 0.1, 0.012}}) {
     BedScene scene(view.radius, view.elevation);
     const SeenByRays seen(scene, scene.grains);
     std::printf("%% off, radius %.1f px, from %.0f degrees:", static_cast<double>(view.radius), view.elevation);
@@ -63,7 +64,9 @@ TEST_F(PointLight, OfABedIsThatOfManyRays) {
         const double points = meanLuminance(scene.radiance());
         const double wanted = seen.lit(weather.sky, vec3(glm::normalize(to_sun)), weather.lux, 1, 0).mean;
         range.add(points / wanted);
-        EXPECT_NEAR(points / wanted, 1, both ? view.most : view.most_alone)
+        const bool ahead = view.elevation < 30 && &to_sun == &kSuns[kAhead];
+        const double most_sun = ahead ? 0.35 : view.most_sun;
+        EXPECT_NEAR(points / wanted, 1, both ? view.most : weather.lux > 0 ? most_sun : view.most_sky)
             << weather.name << ", radius " << view.radius << " px, from " << view.elevation << " degrees, sun at " << to_sun.x << " " << to_sun.y << " " << to_sun.z;
         if (!(weather.lux > 0)) break;
       }
@@ -78,9 +81,9 @@ TEST_F(PointLight, OfABedIsThatOfManyRays) {
 TEST_F(PointLight, OfAGlossyBedIsThatOfManyRays) {
   struct Case {
     float roughness, shade;
-    double most;  // README.md has the figures
+    double most, most_low;  // README.md has the figures; from 22 degrees
   };
-  for (const Case& bed : {Case{0.7f, 1, 0.012}, Case{0.45f, 1, 0.012}, Case{0.2f, 1, 0.03}, Case{0.7f, 0.15f, 0.055}, Case{0.45f, 0.15f, 0.08}})
+  for (const Case& bed : {Case{0.7f, 1, 0.012, 0.012}, Case{0.45f, 1, 0.012, 0.04}, Case{0.2f, 1, 0.03, 0.042}, Case{0.7f, 0.15f, 0.055, 0.072}, Case{0.45f, 0.15f, 0.08, 0.182}})
     for (const double elevation : {80.0, 45.0, 22.0}) {
       BedScene scene(0.3f, elevation, bed.roughness, 0, bed.shade);
       const SeenByRays seen(scene, scene.grains);
@@ -91,10 +94,8 @@ TEST_F(PointLight, OfAGlossyBedIsThatOfManyRays) {
         const double wanted = seen.lit(Sky{}, vec3(glm::normalize(to_sun)), 3, bed.roughness, 0).mean;
         const double ratio = meanLuminance(scene.radiance()) / wanted;
         range.add(ratio);
-        if (elevation > 30) {
-          EXPECT_NEAR(ratio, 1, bed.most)
-              << "roughness " << bed.roughness << ", shade " << bed.shade << ", from " << elevation << " degrees, sun at " << to_sun.x << " " << to_sun.y << " " << to_sun.z;
-        }
+        EXPECT_NEAR(ratio, 1, elevation > 30 ? bed.most : bed.most_low)
+            << "roughness " << bed.roughness << ", shade " << bed.shade << ", from " << elevation << " degrees, sun at " << to_sun.x << " " << to_sun.y << " " << to_sun.z;
         scene.world.destroy(sun);
       }
       std::printf("%% off, roughness %.2f, albedo %.2f, from %.0f degrees:", static_cast<double>(bed.roughness), 0.4 * static_cast<double>(bed.shade), elevation);

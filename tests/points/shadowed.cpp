@@ -6,23 +6,27 @@ namespace {
 
 class PointShadows : public GlTest {};
 
-// Balls at the places of a turned lattice of dense packing, smaller than would touch, shaken, below y = 0.
-std::vector<SwarmGrain> looseBed(float radius, double packing, glm::vec2 half, float depth) {
-  const float touching = radius * static_cast<float>(std::cbrt(0.7405 / packing)), step = std::sqrt(2.0f) * touching;
-  const quat turn = glm::normalize(quat(0.8f, 0.3f, 0.2f, 0.4f));
-  const int across = static_cast<int>(1.5f * std::max(half.x, half.y) / step) + 1;
+// Balls at random places where they do not overlap, below y = 0.
+std::vector<SwarmGrain> randomBed(float radius, double packing, glm::vec2 half, float depth) {
+  const float cell = 2 * radius;
+  const glm::ivec3 cells(vec3(2 * half.x, depth, 2 * half.y) / cell + 3.0f);
+  std::vector<std::vector<vec3>> places(static_cast<size_t>(cells.x) * static_cast<size_t>(cells.y) * static_cast<size_t>(cells.z));
+  const auto at = [&](glm::ivec3 c) -> std::vector<vec3>& { return places[static_cast<size_t>((c.y * cells.z + c.z) * cells.x + c.x)]; };
+  const double ball = 4.0 / 3 * std::numbers::pi * std::pow(static_cast<double>(radius), 3);
+  const auto wanted = static_cast<size_t>(packing * 4 * static_cast<double>(half.x * half.y * depth) / ball);
   std::vector<SwarmGrain> grains;
-  uint64_t k = 0;
-  for (int z = -across; z <= across; ++z)
-    for (int y = -across; y <= across; ++y)
-      for (int x = -across; x <= across; ++x) {
-        if (((x + y + z) & 1) != 0) continue;
-        ++k;
-        const auto unit = [&](uint32_t at) { return randomUnit(3, k, 0, at) - 0.5f; };
-        const vec3 p = turn * (vec3(x, y, z) * step) + vec3(unit(0), unit(1), unit(2)) * (0.3f * touching);
-        if (std::abs(p.x) > half.x || std::abs(p.z) > half.y || p.y > -touching || p.y < -depth) continue;
-        grains.push_back({.position = p, .radius = radius, .tint = vec3(0.4f), .seed = static_cast<uint16_t>(k)});
-      }
+  for (uint64_t attempt = 0; grains.size() < wanted && attempt < 60'000'000; ++attempt) {
+    const auto unit = [&](uint32_t k) { return randomUnit(5, attempt, 0, k); };
+    const vec3 p((2 * unit(0) - 1) * half.x, -radius - unit(1) * (depth - radius), (2 * unit(2) - 1) * half.y);
+    const glm::ivec3 c = glm::ivec3((p + vec3(half.x, depth, half.y)) / cell) + 1;
+    bool free = true;
+    for (int k = 0; free && k < 27; ++k)
+      for (const vec3& other : at(c + glm::ivec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1))) free = free && glm::dot(other - p, other - p) >= cell * cell;
+    if (!free) continue;
+    at(c).push_back(p);
+    grains.push_back({.position = p, .radius = radius, .seed = static_cast<uint16_t>(grains.size())});
+  }
+  EXPECT_EQ(grains.size(), wanted);
   return grains;
 }
 
@@ -32,34 +36,55 @@ double meanOf(const std::vector<vec3>& radiance) {
   return sum;
 }
 
+// Share of the sun that reaches a bed, in the mean over six views, at two sizes of the shadow map's texels.
 TEST_F(PointShadows, OnABedAreThoseOnMeshes) {
+  constexpr double kPoured = 0.55;
+  const dvec3 suns[] = {{0.5, 1, 0.3}, {-1, 0.5, 0.2}};
+  const double elevations[] = {75, 45, 25};
   struct Case {
-    double packing, elevation_deg;
+    double packing;
+    float radius;
+    int sides[2];
   };
-  for (const Case& bed : {Case{0.2, 50}, Case{0.35, 75}}) {
-    PointScene scene({24, 18});
-    const double e = bed.elevation_deg * std::numbers::pi / 180, distance = 200;
-    scene.look(dvec3(0, std::sin(e), std::cos(e)) * distance, {0, 0, 0}, static_cast<float>(2 * std::atan(9 / distance)));
-    constexpr float kRadius = 0.35f;
-    const Entity heap = scene.show(scene.addBall(), looseBed(kRadius, bed.packing, {18, 20}, 5));
-    scene.world.singleton<Sky>() = {vec3(0), vec3(0), vec3(0)};
-    scene.sun({0.5, 1, 0.3});
-    scene.world.singleton<ShadowSettings>().side_texels = rules::kShadowMapSize;  // for both sizes of the picture
-    const auto seen = [&](bool shadows, uint32_t representation) {
-      if (shadows) scene.world.add(heap, CastsShadow{});
-      if (!shadows) scene.world.remove<CastsShadow>(heap);
-      scene.drawAs(representation);
-      const ivec2 size = scene.size;
-      if (representation == rules::kMesh) scene.size = size * 8;
-      scene.render();
-      const double mean = meanOf(scene.radiance());
-      scene.size = size;
-      return mean;
-    };
-    const double mesh = seen(true, rules::kMesh) / seen(false, rules::kMesh), points = seen(true, rules::kPoint) / seen(false, rules::kPoint);
-    std::printf("packing %.2f, from %.0f degrees: the sun reaches %.3f of what it would as meshes, %.3f as points\n", bed.packing, bed.elevation_deg, mesh, points);
-    EXPECT_LT(mesh, 0.85) << "there is shadow";
-    EXPECT_NEAR(points, mesh, 0.25) << "README.md has the figures of heaps";
+  for (const Case& bed : {Case{0.2, 0.35f, {512, 192}}, Case{0.35, 0.35f, {2048, 192}}, Case{0.35, 0.15f, {2048, 512}}, Case{kPoured, 0.35f, {512, 192}}}) {
+    const bool small = bed.radius < 0.3f;
+    const glm::vec2 half = small ? glm::vec2(11, 13) : glm::vec2(18, 20);
+    const ivec2 size = small ? ivec2(14, 10) : ivec2(24, 18);
+    std::vector<SwarmGrain> grains = bed.packing == kPoured ? pouredBed(bed.radius, half, 8 * bed.radius) : randomBed(bed.radius, bed.packing, half, 14 * bed.radius);
+    for (SwarmGrain& grain : grains) grain.tint = vec3(0.4f);
+    double sums[2][2] = {}, texels[2] = {};  // by representation and map
+    for (const int points : {0, 1}) {
+      PointScene scene(points != 0 ? size : size * 8);
+      scene.drawAs(points != 0 ? rules::kPoint : rules::kMesh);
+      const Entity heap = scene.show(scene.addBall(), grains);
+      scene.world.singleton<Sky>() = {vec3(0), vec3(0), vec3(0)};
+      ShadowSettings& shadows = scene.world.singleton<ShadowSettings>();
+      shadows.max_distance_m = 1000;
+      for (const dvec3& to_sun : suns) {
+        const Entity sun = scene.sun(to_sun);
+        for (const double elevation : elevations) {
+          const double e = elevation * std::numbers::pi / 180, distance = 200;
+          scene.look(dvec3(0, std::sin(e), std::cos(e)) * distance, {0, 0, 0}, static_cast<float>(2 * std::atan(0.5 * size.y / distance)));
+          scene.render();
+          const double open = meanOf(scene.radiance());
+          scene.world.add(heap, CastsShadow{});
+          for (const int k : {0, 1}) {
+            shadows.side_texels = bed.sides[k];
+            scene.render();
+            sums[points][k] += meanOf(scene.radiance()) / open / 6;
+            texels[k] = static_cast<double>(bed.radius / scene.world.singleton<const ShadowView>().block.texel_m);
+          }
+          scene.world.remove<CastsShadow>(heap);
+        }
+        scene.world.destroy(sun);
+      }
+    }
+    for (const int k : {0, 1}) {
+      std::printf("packing %.2f, radius %.2f px and %.2f texels: the sun reaches %.3f of what it would as meshes, %.3f as points\n", bed.packing,
+                  static_cast<double>(bed.radius), texels[k], sums[0][k], sums[1][k]);
+      EXPECT_LT(sums[0][k], 0.85) << "there is shadow";
+      EXPECT_NEAR(sums[1][k], sums[0][k], 0.1) << bed.packing << ", " << bed.radius << " px, " << texels[k] << " texels";
+    }
   }
 }
 

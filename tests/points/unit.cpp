@@ -90,6 +90,27 @@ TEST(Bed, SteepnessIsThatOfBallsAtRandom) {
   }
 }
 
+TEST(Bed, WhatIsSeenLiesBetweenMeanFrontAndCentre) {
+  for (uint64_t k = 0; k < 2000; ++k) {
+    const float outer = std::pow(10.0f, -4 * randomUnit(8, k, 0, 0)), radius = outer * (0.3f + 0.7f * randomUnit(8, k, 0, 1));
+    const float packing = randomUnit(8, k, 0, 2), looser = 0.5f * packing;
+    const float depth = rules::bedSeenDepth(packing, vec2(outer, radius));
+    EXPECT_GE(depth, 0) << outer;
+    EXPECT_LE(depth, rules::kMeanFront * outer) << packing;
+    EXPECT_GE(rules::bedSeenDepth(looser, vec2(outer, radius)), depth) << "the looser the deeper";
+  }
+  EXPECT_EQ(rules::bedSeenDepth(0.5f, vec2(0.7f, 0.6f)), 0) << "one fills the pixel";
+  EXPECT_EQ(rules::bedSeenDepth(0, vec2(0)), 0);
+}
+
+TEST(Points, RadiiAreKept) {
+  for (const vec2 radii : {vec2(0), vec2(1, 0.7f), vec2(0.013f, 0.009f), vec2(1e-4f, 6e-5f)}) {
+    const vec2 kept = rules::unpackPointRadii(rules::packPointRadii(radii));
+    EXPECT_NEAR(kept.x, radii.x, 1e-3f * radii.x);
+    EXPECT_NEAR(kept.y, radii.y, 1e-3f * radii.y);
+  }
+}
+
 TEST(Bed, NormalOfAPlaneIsFound) {
   for (uint64_t k = 0; k < 1000; ++k) {
     const vec3 forward = direction(k, 0);
