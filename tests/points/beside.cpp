@@ -84,14 +84,18 @@ TEST_F(PointsBeside, ABoulderThatIsNoPointHereChangesNoPixel) {
   scene.look({0, 100, 170}, {0, 0, 0}, static_cast<float>(2 * std::atan(12.0 / 197)));
   scene.sun({0.4, 1, 0.6});
   scene.drawAs(rules::kNotDrawn);  // by size
-  const uint32_t ball = scene.addBall(), other = scene.addBall(vec3(1), 0.3f, 1);
+  const uint32_t ball = scene.addBall();
+  GrainShape leaning = scene.world.singleton<SwarmStore>().shape(ball);
+  leaning.facing = 0.7f;
+  leaning.roughness = 0.3f;
+  const uint32_t other = scene.world.singleton<SwarmStore>().addShape(leaning);
   scene.show(ball, bed);
   scene.render();
   const std::vector<float> wanted = pictureOf(scene);
   // Out of view: as a point, as a mesh; and in it, a mesh behind the bed.
   for (const Case& boulder : {Case{"point", {500, 0, 0}, 0.6f, true}, Case{"mesh", {500, 0, 0}, 50, true}, Case{"mesh", {0, -80, 0}, 20, true}})
     for (const uint32_t shape : {ball, other}) {
-      if (shape == other && boulder.radius < 1) continue;  // a point of another material: what all points have is no longer one number
+      if (shape == other && boulder.radius < 1) continue;  // facing is the mean over what may be points: README.md
       const SwarmGrain grain{.position = boulder.place, .radius = boulder.radius};
       const Entity entity = scene.show(shape, std::span(&grain, 1));
       scene.render();
