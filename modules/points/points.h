@@ -4,7 +4,7 @@
 // Equations: shaders/shared/points.h (sums in whole numbers, so that the picture does not depend on the order of
 // the grains), bed.h (which sides are seen, where shadows fall), spread.h (light). In: what modules/lod routed to
 // points. Out: the G-buffer.
-// Cost: one test a run of 64, two visits of each point in runs that are not hidden, 24 bytes a pixel; see README.md.
+// Cost: one test a run of 64, two visits of each point in runs that are not hidden, 28 bytes a pixel; see README.md.
 #pragma once
 
 namespace scree {
