@@ -72,8 +72,10 @@ PassDesc classifyPass(const SharedState& state) {
           .uses = {{std::string(kSwarmRoutes), Access::StorageWrite}, {kSeen, Access::StorageRead}},
           .run = [state, runs, grains](PassContext&) {
             if (state->frozen) return;
-            gpu::barrier(GL_BUFFER_UPDATE_BARRIER_BIT);  // the last frame's programs wrote it
-            state->candidates.fill(0);
+            if (state->possible >> rules::kSmallImpostor != 0) {  // points are no candidates
+              gpu::barrier(GL_BUFFER_UPDATE_BARRIER_BIT);         // the last frame's programs wrote it
+              state->candidates.fill(0);
+            }
             state->candidates.bindStorage(rules::kCandidateMapBinding);
             for (const Part& part : state->parts) {
               bindPart(part, part.early);

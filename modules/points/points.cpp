@@ -1,4 +1,5 @@
-// points.depth, points.sum, points.count, points.resolve, and the buffers between them: all zero between two frames.
+// points.depth, points.sum, points.count, points.resolve, and the buffers between them: all zero between two frames, and given
+// back where there is no swarm.
 #include "modules/points/points.h"
 
 #include <algorithm>
@@ -61,6 +62,10 @@ struct Points {
   Programs sum, resolve, empty;
 
   const SwarmsDrawn& swarms() { return world.singleton<const SwarmsDrawn>(); }
+  void giveBack() {
+    for (gpu::Buffer* buffer : {&keys, &sums, &carries, &radii, &ids, &surfaces}) *buffer = {};
+    tiles.giveBack();
+  }
   const GrainShape& shape(size_t part) {
     return world.singleton<const SwarmStore>().shape(swarms().part(part).shape);
   }
@@ -164,6 +169,11 @@ void addPoints(App& app) {
   app.frame().addExternal(kKeys);
   app.frame().addExternal(kSums);
   app.frame().addExternal(kTiles);
+
+  app.addSystem({.name = "points.give_back",
+                 .phase = Phase::Prepare,
+                 .needs = [points] { return points->tiles.held() && points->swarms().size() == 0; },
+                 .run = [points](World&) { points->giveBack(); }});
 
   app.addPass({.name = "points.depth",
                .stage = Stage::GeometryLate,

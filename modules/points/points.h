@@ -11,7 +11,7 @@ namespace scree {
 
 class App;
 
-// Registers points.depth, points.sum, points.count and points.resolve (GeometryLate). Needs addLod.
+// Registers points.give_back (Prepare), points.depth, points.sum, points.count and points.resolve (GeometryLate). Needs addLod.
 void addPoints(App& app);
 
 }  // namespace scree

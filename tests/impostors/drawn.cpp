@@ -5,7 +5,7 @@
 
 #include "modules/impostors/impostors.h"
 #include "tests/lod/swarm_scene.h"
-#include "tests/points/gpu_work.h"
+#include "tests/support/gpu_work.h"
 
 namespace scree::test {
 namespace {

@@ -7,7 +7,7 @@
 #include "engine/gpu/counters.h"
 #include "shaders/shared/gbuffer.h"
 #include "tests/points/bed.h"
-#include "tests/points/gpu_work.h"
+#include "tests/support/gpu_work.h"
 
 namespace scree::test {
 namespace {

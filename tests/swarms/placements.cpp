@@ -116,7 +116,11 @@ TEST_F(Placements, NoneLeftTakesNoMemory) {
   EXPECT_EQ(again, after);
   // Streams of uniforms, and what belongs to the shape.
   EXPECT_LT(after, before + 100'000);
-  std::printf("%zu bytes more than before the first swarm\n", static_cast<size_t>(after - before));
+  scene.settings().only = rules::kPoint;
+  const uint64_t after_points = kept();
+  EXPECT_LT(after_points, before + 100'000);
+  std::printf("%zu bytes more than before the first swarm, %zu after points\n", static_cast<size_t>(after - before),
+              static_cast<size_t>(after_points - before));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ TEST_F(Pop, ImpostorsPointsAndMeshes) {
   expectNoPop(dolly(scene, 0.92, 0.64, kNarrow, kStep, true), "pop_to_points");
   expectNoPop(dolly(scene, 0.64, 0.92, kNarrow, kStep, true), "pop_from_points");
   expectNoPop(dolly(scene, 10.2, 8.2, kNarrow, kStep, true), "pop_to_small");
-  expectNoPop(dolly(scene, 34, 26, kNarrow, kStep, true), "pop_to_impostors");
+  expectNoPop(dolly(scene, 44, 31, kNarrow, kStep, true), "pop_to_impostors");
 }
 
 TEST_F(Pop, LevelsOfMeshes) {

@@ -11,8 +11,8 @@ TEST_F(StressPop, NoStepIsSmallerThanItsSwitches) {
     BeanScene scene({320, 200});
     scene.show(scene.bean, beanBed(40, 3, 0.7f));
     const std::string name = fov == kNarrow ? "pop_narrow" : "pop_wide";
-    expectNoPop(dolly(scene, 36, 0.45, fov, kStep, true), name + "_away");
-    expectNoPop(dolly(scene, 0.45, 36, fov, kStep, true), name + "_near");
+    expectNoPop(dolly(scene, 48, 0.45, fov, kStep, true), name + "_away");
+    expectNoPop(dolly(scene, 0.45, 48, fov, kStep, true), name + "_near");
   }
 }
 
