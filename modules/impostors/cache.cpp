@@ -112,6 +112,8 @@ Result<ImpostorAtlas> decodeAtlas(std::string_view bytes, std::string_view where
   if (texels < static_cast<uint32_t>(kImpostorMinTexels) ||
       texels > static_cast<uint32_t>(kImpostorMaxTexels) || (texels & (texels - 1)) != 0)
     return refuse(fmt::format("has {} texels a side, allowed are 16, 32, 64, 128, 256", texels));
+  if (impostorBytes(static_cast<int>(edge), static_cast<int>(texels)) > kImpostorMaxBytes)
+    return refuse(fmt::format("has {} views an edge of {} texels a side, more than {} MiB", edge, texels, kImpostorMaxBytes >> 20));
   a.edge = static_cast<int>(edge);
   a.texels = static_cast<int>(texels);
   a.key = in.number<uint64_t>();

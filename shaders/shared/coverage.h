@@ -3,13 +3,15 @@
 // takes; beyond the edge all is the edge's. Of color and normal it holds the four bytes of a texel.
 //
 // Flat textures of one level. Each view has a place of 3/2 p x p in it: on the left its finest level, right of that the
-// others, one above the other. Views stand in columns as high as a texture may be everywhere.
+// others, one above the other. Views stand in columns, so low that the last one, which may be nearly empty, is a small part
+// of all, and so high that no atlas is wider than textures may be everywhere.
 #pragma once
 #include "shared/prelude.h"
 RULES_BEGIN
 
 // p is a power of two, and this too.
-const int kCoverageMostHeight = 16384;
+const int kCoverageHeightBits = 12;
+const int kCoverageMostHeight = 1 << kCoverageHeightBits;
 
 RULE int coverageRows(int p) { return kCoverageMostHeight / p; }
 RULE ivec2 coverageSize(int p, int views) {
@@ -19,7 +21,7 @@ RULE ivec2 coverageSize(int p, int views) {
 // Lower left texel of a level of a view.
 RULE ivec2 coverageBase(int p, int view, int level) {
   int at = view * p;
-  ivec2 base = ivec2((at >> 14) * (p + (p >> 1)), at & (kCoverageMostHeight - 1));
+  ivec2 base = ivec2((at >> kCoverageHeightBits) * (p + (p >> 1)), at & (kCoverageMostHeight - 1));
   return level == 0 ? base : base + ivec2(p, p - (2 * p >> level));
 }
 
