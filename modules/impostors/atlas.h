@@ -34,6 +34,8 @@ namespace scree {
 inline constexpr int kImpostorMinTexels = 16;
 inline constexpr int kImpostorMaxTexels = 256;
 inline constexpr int kImpostorMaxBakedEdge = 23;
+// Largest outer radius, and distance of the centre from the mesh's origin along each axis, in the mesh's unit.
+inline constexpr float kImpostorMostUnits = 1e9f;
 // Largest atlas, impostorBytes().
 inline constexpr uint64_t kImpostorMaxBytes = uint64_t{3} << 28;
 

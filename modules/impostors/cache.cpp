@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "engine/core/bytes.h"
 #include "engine/core/file.h"
@@ -16,7 +17,6 @@ namespace {
 constexpr uint64_t kMagic = 0x504d494545524353ull;  // "SCREEIMP"
 constexpr uint32_t kVersion = 5;
 // Numbers this far from what a grain can have are damage.
-constexpr float kMostUnits = 1e9f;
 
 bool within(float x, float low, float high) {
   return x >= low && x <= high;
@@ -58,13 +58,13 @@ std::string body(const ImpostorAtlas& a) {
 // What is wrong with the numbers; nullptr: nothing.
 const char* fault(const ImpostorAtlas& a) {
   for (int c = 0; c < 3; ++c) {
-    if (!within(a.center[c], -kMostUnits, kMostUnits)) return "its centre is no place";
+    if (!within(a.center[c], -kImpostorMostUnits, kImpostorMostUnits)) return "its centre is no place";
     if (!within(a.proxy.center[c], -2, 2)) return "its ellipsoid's centre lies outside";
     if (!within(a.proxy.diagonal[c], 0.1f, 1e3f)) return "its ellipsoid has no extent";
     if (!within(a.proxy.upper[c], -1e6f, 1e6f)) return "its ellipsoid is no ellipsoid";
   }
   if (!soundEllipsoid(a.bound)) return "its bounding ellipsoid is no ellipsoid";
-  if (!within(a.outer, 1e-30f, kMostUnits)) return "its outer radius is no length";
+  if (!within(a.outer, 1e-30f, kImpostorMostUnits)) return "its outer radius is no length";
   if (!within(a.inner, 0, 1)) return "its inner radius is not between 0 and the outer one";
   if (a.errors.directions > 1024) return "its errors were measured from too many directions";
   for (const auto& scheme : a.errors.of)
@@ -153,6 +153,13 @@ Result<ImpostorAtlas> decodeAtlas(std::string_view bytes, std::string_view where
 
 Status writeAtlas(const std::filesystem::path& path, const ImpostorAtlas& atlas) {
   return writeFile(path, encodeAtlas(atlas));
+}
+
+bool mayReplace(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  uint64_t magic = 0;
+  file.read(reinterpret_cast<char*>(&magic), sizeof magic);
+  return file.is_open() && (file.gcount() == 0 || (file.gcount() == sizeof magic && magic == kMagic));
 }
 
 Result<ImpostorAtlas> readAtlas(const std::filesystem::path& path) {

@@ -15,6 +15,9 @@ Status writeAtlas(const std::filesystem::path& path, const ImpostorAtlas& atlas)
 // Refuses, in one line, what is not a whole and sound file of this version.
 Result<ImpostorAtlas> readAtlas(const std::filesystem::path& path);
 
+// Whether a file may be replaced by an atlas: it is empty, or begins as one. What else is there belongs to somebody.
+bool mayReplace(const std::filesystem::path& path);
+
 // The same to and from memory; `where` begins every error.
 std::string encodeAtlas(const ImpostorAtlas& atlas);
 Result<ImpostorAtlas> decodeAtlas(std::string_view bytes, std::string_view where);

@@ -67,6 +67,14 @@ Status checkPart(const MeshData& part, size_t p, const GrainMesh& grain) {
 }  // namespace
 
 Result<GrainMesh> grainFromScene(SceneData scene) {
+  // Few bytes may say that a mesh is placed many times.
+  constexpr size_t kMostTriangles = 4'000'000;
+  size_t triangles = 0;
+  for (const NodeData& node : scene.nodes)
+    for (int m = 0; m < node.mesh_count; ++m)
+      triangles += scene.meshes[static_cast<size_t>(node.first_mesh + m)].indices.size() / 3;
+  if (triangles > kMostTriangles)
+    return Error{fmt::format("{}: grain: has {} triangles, allowed are {}", scene.path.string(), triangles, kMostTriangles)};
   GrainMesh grain;
   for (const NodeData& node : scene.nodes)
     for (int m = 0; m < node.mesh_count; ++m)

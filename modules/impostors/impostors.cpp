@@ -23,13 +23,15 @@ Result<GrainMesh> grainOf(const std::filesystem::path& mesh) {
 Result<ImpostorAtlas> atlasOf(const GrainMesh& grain, const BakeParameters& parameters,
                               const std::filesystem::path& cache, const BakeProgress& progress) {
   std::error_code ignored;
+  bool is_kept = true;
   if (std::filesystem::exists(cache, ignored)) {
     Result<ImpostorAtlas> kept = readAtlas(cache);
     if (kept.ok() && kept->key == bakeKey(grain, parameters)) return kept;
-    if (!kept.ok()) logWarning("{}; baking anew", kept.error());
+    is_kept = mayReplace(cache);
+    if (!kept.ok()) logWarning("{}; baking anew{}", kept.error(), is_kept ? "" : ", and the file is left as it is");
   }
   Result<ImpostorAtlas> atlas = bake(grain, parameters, progress);
-  if (atlas.ok())
+  if (atlas.ok() && is_kept)
     if (const Status written = writeAtlas(cache, *atlas); !written.ok()) logWarning("{}", written.error());
   return atlas;
 }

@@ -26,7 +26,8 @@ class World;
 // ---- Atlases ------------------------------------------------------------------------------------
 
 // The atlas of a glTF file: from `cache` if that holds what these parameters would make of the file as it
-// is now, else baked and written there. A cache that cannot be read or written costs one warning.
+// is now, else baked and written there. A cache that cannot be read or written costs one warning;
+// a file that is no atlas is not replaced.
 Result<ImpostorAtlas> impostorOf(const std::filesystem::path& mesh, const BakeParameters& parameters,
                                  const std::filesystem::path& cache, const BakeProgress& progress = {});
 

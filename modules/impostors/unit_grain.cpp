@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "engine/assets/texel.h"
+#include "modules/impostors/atlas.h"
 
 namespace scree::impostors {
 namespace {
@@ -64,10 +65,11 @@ Result<UnitGrain> unitGrain(const GrainMesh& grain) {
   const Sphere outer = roomySphere(used, used);
   const double size =
       std::max({std::abs(outer.center.x), std::abs(outer.center.y), std::abs(outer.center.z)});
-  if (!(outer.radius > 1e-6 * size) || !(outer.radius > 1e-30) || !std::isfinite(outer.radius))
-    return Error{
-        fmt::format("grain: its outer radius is {:g} around {:g} {:g} {:g}; it must have an extent",
-                    outer.radius, outer.center.x, outer.center.y, outer.center.z)};
+  constexpr double kLeastShare = 1e-6, kLeast = 1e-30, kMost = static_cast<double>(kImpostorMostUnits);
+  if (!(outer.radius > kLeast && outer.radius > kLeastShare * size && std::max(outer.radius, size) <= kMost))
+    return Error{fmt::format("grain: its outer radius is {:g} around {:g} {:g} {:g}; it must be above {:g} and a millionth of the "
+                             "distance from the mesh's origin, both at most {:g}",
+                             outer.radius, outer.center.x, outer.center.y, outer.center.z, kLeast, kMost)};
   unit.center = outer.center;
   unit.outer = outer.radius;
   for (Vertex& vertex : unit.vertices) {

@@ -1,6 +1,7 @@
 // What the routing of grains keeps between frames, and the parts that lod.cpp registers.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -116,6 +117,9 @@ using SharedState = std::shared_ptr<SwarmsDrawn::State>;
 
 // External resource: which grains the last frame showed.
 inline constexpr const char* kSeen = "lod.seen";
+
+// Settings that are not a number count as 0.
+inline float notNan(float setting) { return std::isnan(setting) ? 0 : setting; }
 
 // The thresholds that a program routes by.
 void setThresholds(rules::SwarmBlock& block, const LodThresholds& thresholds, float band);

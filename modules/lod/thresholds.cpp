@@ -60,7 +60,7 @@ Range rangeOf(const GrainShape& shape, const LodSettings& settings, float tolera
 LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings, float pixels_at_1m, float stretch) {
   LodThresholds t;
   const float most_small = std::min(rules::kSmallPx, rules::mostParallelPx(pixels_at_1m, stretch));
-  const float tolerance = std::max(settings.tolerance_px, 0.0f);
+  const float tolerance = std::clamp(lod::notNan(settings.tolerance_px), 0.0f, rules::kLargestPx);
   // Level k - 1 takes over where level k is off by too much; a level without error does for all sizes.
   for (uint32_t level = 1; level < rules::kMeshLevels; ++level) {
     if (level >= shape.levels.size()) continue;  // 0: never
@@ -102,7 +102,7 @@ LodThresholds thresholdsOf(const GrainShape& shape, const LodSettings& settings,
     t.impostor_from_px = full.from;
     t.impostor_px = full.to;
   }
-  t.impostor_px = std::min(t.impostor_px, rules::kImpostorMostNear / (1 + std::max(settings.band, 0.0f)) * pixels_at_1m);
+  t.impostor_px = std::min(t.impostor_px, rules::kImpostorMostNear / (1 + std::max(lod::notNan(settings.band), 0.0f)) * pixels_at_1m);
   return t;
 }
 

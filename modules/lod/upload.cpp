@@ -141,7 +141,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
                                                  : rules::kCandidateCellStill;
   const vec2 corner(view.block.tan_half_fov_x, view.block.tan_half_fov_y);
   const LodThresholds t = thresholdsOf(shape, settings, view.block.pixels_at_1m, 1 + glm::dot(corner, corner));
-  const float band = std::max(settings.band, 0.0f);
+  const float band = std::max(notNan(settings.band), 0.0f);
   setThresholds(block, t, band);
   const uint32_t possible = possibleOf(t, shape.levels.size(), band, sizesOf(stored, vec3(block.origin), view.block.pixels_at_1m));
   state.possible |= possible;

@@ -84,9 +84,20 @@ TEST(ImpostorFile, IsBakedOnceAndAgainWhenMeshOrParametersChange) {
                 fs::copy_options::overwrite_existing);
   load();
   EXPECT_GT(reports, 0);
-  ASSERT_TRUE(writeFile(cache, "damaged").ok());
+  // A damaged atlas is replaced, anything else is not.
+  Result<std::string> whole = readText(cache);
+  ASSERT_TRUE(whole.ok());
+  ASSERT_TRUE(writeFile(cache, whole->substr(0, whole->size() / 2)).ok());
   load();
   EXPECT_GT(reports, 0);
+  EXPECT_EQ(readText(cache).value(), *whole);
+  const fs::path notes = folder / "notes.txt";
+  ASSERT_TRUE(writeFile(notes, "notes").ok());
+  for (const fs::path& other : {mesh, notes}) {
+    const std::string before = readText(other).value();
+    EXPECT_TRUE(impostorOf(mesh, parameters, other).ok());
+    EXPECT_EQ(readText(other).value(), before) << other;
+  }
   load();
   EXPECT_EQ(reports, 0);
 }

@@ -113,6 +113,10 @@ TEST(Thresholds, FollowTheMeasuredErrors) {
   t = thresholdsOf(shape, {.tolerance_px = 0.25f}, kFar);
   EXPECT_GT(t.small_px, 1e9f) << "always";
   EXPECT_FLOAT_EQ(t.impostor_px, 2.5f);
+  // No numbers.
+  const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(thresholdsOf(measuredShape(), {.tolerance_px = nan, .band = nan}, kFar).mesh_px[1], 0);
+  EXPECT_GT(thresholdsOf(measuredShape(), {.tolerance_px = infinity}, kFar).mesh_px[1], 1e8f);
   // One that is good nowhere.
   shape = measuredShape();
   for (SizeError& e : shape.impostor) e.outline = e.small_outline = 10;
