@@ -490,7 +490,9 @@ TEST_F(DeferredHostile, EveryPixelStaysFinite) {
       ASSERT_TRUE(std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z) && glm::min(c.x, glm::min(c.y, c.z)) >= 0) << what;
     for (const float m : s.floats(kGbufferMotion, 2)) ASSERT_TRUE(std::isfinite(m)) << what;
     for (const float e : s.floats(kGbufferEmissive, 3)) ASSERT_TRUE(std::isfinite(e)) << what;
-    EXPECT_GT(std::count_if(s.floats(kGbufferDepth, 1).begin(), s.floats(kGbufferDepth, 1).end(), [](float) { return true; }), 0);
+    const std::vector<float> depths = s.floats(kGbufferDepth, 1);
+    for (const float d : depths) ASSERT_TRUE(d >= 0 && d <= 1) << what;
+    EXPECT_GT(std::count_if(depths.begin(), depths.end(), [](float d) { return d > 0 && d < 1; }), 0) << what;
   };
   allFinite("no sun");
   const Entity sun = s.sun({0.2, 0.3, 1}, vec3(1), 1e6f);
