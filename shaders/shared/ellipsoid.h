@@ -163,12 +163,7 @@ RULE SphereBounds ellipsoidBounds(OcclusionView v, vec3 center, float radius, ve
                              vec2(0.0f, 0.0f))) *
                     inverse;
   vec2 grow = (vec2(1.0f, 1.0f) + abs(mid) + half_slope) * (error / nearest);
-  vec2 scale = vec2(v.right.w, v.up.w);
-  vec2 low = v.center_px + scale * (mid - half_slope - grow) - (v.margin_px + reach_px + 0.5f);
-  vec2 high = v.center_px + scale * (mid + half_slope + grow) + (v.margin_px + reach_px - 0.5f);
-  b.first_px = ivec2(clamp(ceil(low), vec2(0.0f, 0.0f), v.last_px + vec2(1.0f, 1.0f)));
-  b.last_px = ivec2(clamp(floor(high), vec2(-1.0f, -1.0f), v.last_px));
-  return b;
+  return boundsBetween(v, mid - half_slope - grow, mid + half_slope + grow, b.depth, reach_px);
 }
 
 RULES_END

@@ -86,7 +86,7 @@ RULE vec2 slopeBounds(float x, float w, float r, float product) {
   return x < 0.0f ? vec2(-outer, -inner) : vec2(inner, outer);
 }
 
-// Where a sphere may show, and how near.
+// Where a sphere, or what stands in its place, may show, and how near.
 struct SphereBounds {
   bool known;  // false: too near to tell (or not finite); it counts as visible
   ivec2 first_px;
@@ -94,14 +94,31 @@ struct SphereBounds {
   float depth;    // nothing of it has a larger one; reversed, see view.h
 };
 
-// `disc`: it is drawn as its silhouette disc; otherwise as whatever lies in the sphere, triangles
-// included. `reach_px`: pixels whose centres are so near to its silhouette count.
-RULE SphereBounds sphereBounds(OcclusionView v, vec3 center, float radius, float reach_px, bool disc) {
+// Between slopes (distance along right or up / distance along forward), no nearer than this depth.
+RULE SphereBounds boundsBetween(OcclusionView v, vec2 least, vec2 most, float depth, float reach_px) {
+  vec2 scale = vec2(v.right.w, v.up.w);
+  vec2 low = v.center_px + scale * least - (v.margin_px + reach_px + 0.5f);
+  vec2 high = v.center_px + scale * most + (v.margin_px + reach_px - 0.5f);
+  SphereBounds b;
+  b.known = true;
+  b.first_px = ivec2(clamp(ceil(low), vec2(0.0f, 0.0f), v.last_px + vec2(1.0f, 1.0f)));
+  b.last_px = ivec2(clamp(floor(high), vec2(-1.0f, -1.0f), v.last_px));
+  b.depth = depth;
+  return b;
+}
+RULE SphereBounds boundsUnknown() {
   SphereBounds b;
   b.known = false;
   b.first_px = ivec2(0, 0);
   b.last_px = ivec2(-1, -1);
   b.depth = 1.0f;
+  return b;
+}
+
+// `disc`: it is drawn as its silhouette disc; otherwise as whatever lies in the sphere, triangles
+// included. `reach_px`: pixels whose centres are so near to its silhouette count.
+RULE SphereBounds sphereBounds(OcclusionView v, vec3 center, float radius, float reach_px, bool disc) {
+  SphereBounds b = boundsUnknown();
   float x = dot(vec3(v.right), center), y = dot(vec3(v.up), center), w = dot(vec3(v.forward), center);
   float aside2 = x * x + y * y;
   float distance = sqrt(aside2 + w * w);
@@ -123,34 +140,21 @@ RULE SphereBounds sphereBounds(OcclusionView v, vec3 center, float radius, float
   } else {
     nearest = max(nearest - kEdgeOnShare * radius, v.forward.w);
   }
-  b.depth = v.forward.w / nearest * v.depth_scale;
-
   vec2 slope_x = slopeBounds(x, w, r, product), slope_y = slopeBounds(y, w, r, product);
-  vec2 scale = vec2(v.right.w, v.up.w);
-  vec2 low = v.center_px + scale * vec2(slope_x.x, slope_y.x) - (v.margin_px + reach_px + 0.5f);
-  vec2 high = v.center_px + scale * vec2(slope_x.y, slope_y.y) + (v.margin_px + reach_px - 0.5f);
-  b.first_px = ivec2(clamp(ceil(low), vec2(0.0f, 0.0f), v.last_px + vec2(1.0f, 1.0f)));
-  b.last_px = ivec2(clamp(floor(high), vec2(-1.0f, -1.0f), v.last_px));
-  b.known = true;
-  return b;
+  return boundsBetween(v, vec2(slope_x.x, slope_y.x), vec2(slope_x.y, slope_y.y), v.forward.w / nearest * v.depth_scale, reach_px);
 }
 
 // Where anything may show that lies within `reach` m of a box, however it is drawn: the picture of a box before the eye
 // lies between those of its corners.
 RULE SphereBounds boxBounds(OcclusionView v, vec3 low, vec3 high, float reach, float reach_px) {
-  SphereBounds b;
-  b.known = false;
-  b.first_px = ivec2(0, 0);
-  b.last_px = ivec2(-1, -1);
-  b.depth = 1.0f;
   vec3 middle = 0.5f * (low + high), half_size = 0.5f * (high - low);
   vec3 size = abs(middle) + half_size;
   float distance = sqrt(dot(size, size)), around = reach + v.center_error * distance + kRadiusError * reach;
   half_size = half_size + around;
   float nearest = dot(vec3(v.forward), middle) - dot(abs(vec3(v.forward)), half_size);
   // Nearer, the triangles around discs may near the eye's plane.
-  if (!(nearest >= max(v.forward.w, 4.0f * around) && distance <= kMostDistance)) return b;
-  b.depth = v.forward.w / max(nearest - kEdgeOnShare * around, v.forward.w) * v.depth_scale;
+  if (!(nearest >= max(v.forward.w, 4.0f * around) && distance <= kMostDistance)) return boundsUnknown();
+  float depth = v.forward.w / max(nearest - kEdgeOnShare * around, v.forward.w) * v.depth_scale;
 
   vec2 least = vec2(1e30f, 1e30f), most = vec2(-1e30f, -1e30f);
   for (uint corner = 0u; corner < 8u; ++corner) {
@@ -160,13 +164,7 @@ RULE SphereBounds boxBounds(OcclusionView v, vec3 low, vec3 high, float reach, f
     least = min(least, slope);
     most = max(most, slope);
   }
-  vec2 scale = vec2(v.right.w, v.up.w);
-  vec2 low_px = v.center_px + scale * least - (v.margin_px + reach_px + 0.5f);
-  vec2 high_px = v.center_px + scale * most + (v.margin_px + reach_px - 0.5f);
-  b.first_px = ivec2(clamp(ceil(low_px), vec2(0.0f, 0.0f), v.last_px + vec2(1.0f, 1.0f)));
-  b.last_px = ivec2(clamp(floor(high_px), vec2(-1.0f, -1.0f), v.last_px));
-  b.known = true;
-  return b;
+  return boundsBetween(v, least, most, depth, reach_px);
 }
 
 // The pyramid. A texel of level k holds the farthest depth (the least: it is reversed) of the pixels
