@@ -1,5 +1,5 @@
-// Tests spheres, and bounds of ellipsoids (shared/ellipsoid.h), against the depth pyramid of this frame, in any stage of any program. The pass that
-// uses it reads occlusion.pyramid (Access::Sampled) and calls bindPyramid(); see modules/occlusion.
+// Tests spheres, and bounds of ellipsoids (shared/ellipsoid.h) and boxes, against the depth pyramid of this frame, in any
+// stage of any program. The pass that uses it reads occlusion.pyramid (Access::Sampled) and calls bindPyramid(); see modules/occlusion.
 #include "shared/bindings.h"
 #include "shared/occlusion.h"
 #include "shared/view.h"

@@ -17,7 +17,7 @@ void main() {
   WalkedWord w = walkedWord();
   if (!w.exists) return;
   uint before = representations[w.word], now = before;
-  for (bool asleep = w.asleep; asleep; asleep = false) now = representationsOf(w, 0u);
+  if (w.asleep) now = representationsOf(w, 0u);
   OcclusionView eye = occlusionView();
   uint rest = laterOf(now);
   for (uint later = rest; later != 0u; later &= later - 1u) {
