@@ -5,7 +5,7 @@
 // 9, with lists made by prefix sums in place of atomics (the same lists in every run), thresholds from measured
 // errors, and hysteresis. In: Swarm, the stores below, View. Out: external resources kSwarmRoutes and
 // kSwarmLists, from which modules draw; meshes are drawn here, the rest by modules/impostors and modules/points.
-// Cost: 30.5 bytes a grain on the GPU; a frame reads each grain once or twice, and nothing comes back.
+// Cost: 30.8 bytes a grain on the GPU; a frame reads each grain that may show once or twice, and nothing comes back.
 #pragma once
 
 #include <cstdint>
