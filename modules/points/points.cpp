@@ -1,5 +1,5 @@
-// points.depth, points.sum, points.count, points.resolve, and the buffers between them: all zero between two frames, and given
-// back where there is no swarm.
+// points.depth, points.list, points.sum, points.count, points.resolve, and the buffers between them: all zero between two
+// frames, and given back where there is no swarm.
 #include "modules/points/points.h"
 
 #include <algorithm>
@@ -19,11 +19,9 @@
 namespace scree {
 namespace {
 
-constexpr const char *kKeys = "points.keys", *kSums = "points.sums", *kTiles = "points.tiles";
+constexpr const char *kKeys = "points.keys", *kList = "points.list", *kSums = "points.sums", *kTiles = "points.tiles";
 constexpr int kSurface = 0, kFacing = 1, kLeastArea = 2;  // uniform locations
-void dispatch(const SwarmPart& part) {
-  gpu::dispatchIndirect(*part.commands, offsetof(rules::SwarmCommands, point_groups));
-}
+constexpr size_t kAll = offsetof(rules::SwarmCommands, point_groups), kSeen = offsetof(rules::SwarmCommands, seen_groups);
 // A pixel is drawn if points of a bed cover at least this share of it, or a point shows in it.
 constexpr float kLeastShare = 0.5f;
 
@@ -57,7 +55,7 @@ struct Points {
   World& world;
   gpu::Buffer keys, sums, carries, radii, ids, surfaces;  // by pixel
   MarkedTiles tiles{kTiles};
-  gpu::Program depth = programOf("depth", 0);
+  gpu::Program depth = programOf("depth", 0), list = programOf("list", 0);
   gpu::Program count{{.name = "points.count", .compute = "points/sum.comp", .defines = {"OVERDRAW"}}};
   Programs sum, resolve, empty;
 
@@ -103,13 +101,12 @@ struct Points {
     if (gpu::reserve(buffer, label, 4 * words * static_cast<size_t>(size.x) * static_cast<size_t>(size.y))) buffer.fill(0);
     buffer.bindStorage(static_cast<unsigned>(binding));
   }
-  // Calls each(part) with its grains bound.
-  template <class Each>
-  void eachPart(const Each& each) {
+  // Of each part: work groups for kAll points or the kSeen.
+  void dispatch(size_t groups) {
     const SwarmsDrawn& drawn = swarms();
     for (size_t k = 0; k < drawn.size(); ++k) {
       drawn.bind(k);
-      each(drawn.part(k));
+      gpu::dispatchIndirect(*drawn.part(k).commands, groups);
     }
   }
 };
@@ -118,7 +115,13 @@ void splatDepth(Points& points, ivec2 size) {
   if (!points.depth.use()) return;
   Points::ready(points.keys, kKeys, 1, rules::kPointKeysBinding, size);
   points.tiles.ready(size);
-  points.eachPart([](const SwarmPart& part) { dispatch(part); });
+  points.dispatch(kAll);
+}
+
+void listSeen(Points& points) {
+  if (!points.list.use()) return;
+  points.keys.bindStorage(rules::kPointKeysBinding);
+  points.dispatch(kAll);
 }
 
 void splatSums(Points& points, ivec2 size, unsigned features) {
@@ -131,7 +134,7 @@ void splatSums(Points& points, ivec2 size, unsigned features) {
   if ((features & kSurfaces) != 0)
     Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size);
   points.keys.bindStorage(rules::kPointKeysBinding);
-  points.eachPart([](const SwarmPart& part) { dispatch(part); });
+  points.dispatch(kSeen);
 }
 
 // For SwarmView::Overdraw.
@@ -139,7 +142,7 @@ void count(Points& points, const gpu::Texture& overdraw) {
   if (!points.count.use()) return;
   overdraw.bindImage(rules::kOverdrawImage, GL_READ_WRITE);
   points.keys.bindStorage(rules::kPointKeysBinding);
-  points.eachPart([](const SwarmPart& part) { dispatch(part); });
+  points.dispatch(kSeen);
 }
 
 void resolve(Points& points, unsigned features) {
@@ -167,6 +170,7 @@ void addPoints(App& app) {
   const auto needs = [points] { return points->swarms().mayBe(rules::kPoint); };
   constexpr const char* kNeeds = "a swarm that may be points";
   app.frame().addExternal(kKeys);
+  app.frame().addExternal(kList);
   app.frame().addExternal(kSums);
   app.frame().addExternal(kTiles);
 
@@ -185,13 +189,23 @@ void addPoints(App& app) {
                         {kKeys, Access::StorageWrite},
                         {kTiles, Access::StorageWrite}},
                .run = [points](PassContext& context) { splatDepth(*points, context.input.size); }});
-  app.addPass({.name = "points.sum",
+  app.addPass({.name = "points.list",
                .stage = Stage::GeometryLate,
                .needs_text = kNeeds,
                .needs = needs,
                .needs_content = {kKeys},
                .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
                         {std::string(kSwarmLists), Access::Indirect},
+                        {kKeys, Access::StorageRead},
+                        {kList, Access::StorageWrite}},
+               .run = [points](PassContext&) { listSeen(*points); }});
+  app.addPass({.name = "points.sum",
+               .stage = Stage::GeometryLate,
+               .needs_text = kNeeds,
+               .needs = needs,
+               .needs_content = {kList},
+               .uses = {{kList, Access::StorageRead},
+                        {kList, Access::Indirect},
                         {kKeys, Access::StorageWrite},
                         {kSums, Access::StorageWrite}},
                .run = [points](PassContext& context) {
@@ -201,9 +215,9 @@ void addPoints(App& app) {
                .stage = Stage::GeometryLate,
                .needs_text = kNeeds,
                .needs = needs,
-               .needs_content = {kKeys},
-               .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
-                        {std::string(kSwarmLists), Access::Indirect},
+               .needs_content = {kList},
+               .uses = {{kList, Access::StorageRead},
+                        {kList, Access::Indirect},
                         {kKeys, Access::StorageRead},
                         {std::string(kPointOverdraw), Access::StorageWrite}},
                .run = [points](PassContext& context) { count(*points, context.frame.texture(kPointOverdraw)); }});

@@ -58,6 +58,7 @@ void main() {
   commands.point_groups = uint[3](found[kPoint] > 0u ? groups : 0u, 1u, 1u);
   commands.first_groups = uint[3](end > 0u ? groups : 0u, 1u, 1u);
   commands.late_groups = uint[3](rest > 0u ? groups : 0u, 1u, 1u);
+  commands.seen_groups = uint[3](0u, 1u, 1u);
   commands.see_groups = uint[3](tiles.x, tiles.y, 1u);
 #endif
 }

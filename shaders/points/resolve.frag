@@ -25,18 +25,28 @@ uint at(ivec2 pixel) {
   return uint(p.y) * uint(view.size_px.x) + uint(p.x);
 }
 
-// How 1 / distance along the axis changes from pixel to pixel, over the foremost points around one.
-vec2 changeAround(ivec2 pixel, float inverse) {
-  vec2 sum = vec2(0.0), weight = vec2(0.0);
+// The plane through the foremost points around a pixel: 1 / distance along the axis in it, and how that changes from pixel
+// to pixel.
+struct Plane {
+  float inverse;
+  vec2 change;
+};
+Plane planeAround(ivec2 pixel, float inverse) {
+  float sum = 0.0, count = 0.0;
+  vec2 moment = vec2(0.0), weight = vec2(0.0), offsets = vec2(0.0);
   float most = kMostSlope / view.pixels_at_1m * inverse;
   for (int k = 0; k < 9; ++k) {
     ivec2 offset = ivec2(k % 3 - 1, k / 3 - 1);
     float other = uintBitsToFloat(keys[at(pixel + offset)] & ~kPointMark), change = other - inverse;
     if (other == 0.0 || abs(change) > most) continue;  // none, or of another surface
-    sum += vec2(offset) * change;
+    sum += change;
+    count += 1.0;
+    offsets += vec2(offset);
+    moment += vec2(offset) * change;
     weight += vec2(offset * offset);
   }
-  return sum / max(weight, 1.0);
+  vec2 change = moment / max(weight, 1.0);
+  return Plane(inverse + (sum - dot(change, offsets)) / max(count, 1.0), change);
 }
 
 vec3 surfaceNormal(float inverse, vec2 change) {
@@ -78,8 +88,10 @@ void main() {
   bool lone = centers <= kLonePoints;
   if (key == 0u || (lone && !shows && area < kLoneArea)) discard;
   float foremost = uintBitsToFloat(key);
-  vec2 change = changeAround(pixel, foremost);
   vec2 radii_px = unpackPointRadii(radii[id_at]);
+  Plane plane = planeAround(pixel, foremost);
+  vec2 change = plane.change;
+  if (!lone) foremost = mix(foremost, plane.inverse, 1.0 - 1.0 / pointsAPixel(radii_px.y));
   float inverse = middleInverse(foremost, change, radii_px.y);
   vec3 to_eye = -normalize(ray), up = surfaceNormal(foremost, change);
   float steepness = lone ? 0.0 : bedSteepness(dot(to_eye, up), kBedPacking * min(area, 1.0));

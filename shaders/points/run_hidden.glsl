@@ -45,3 +45,12 @@ bool allNearer(RunSeen seen, uint key) {
   }
   return nearer;
 }
+
+// Bit 4 k: whether grain k of word w may be a point that is drawn. `bound`: leastHiddenRank() of the run's largest.
+uint drawnPoints(uint run, uint w, float bound) {
+  return pointsOf(representations[run * kRunWords + w]) & bitsOfEight(ranksBelow(bound, firstRank(run), w));
+}
+float rankBound(SwarmRun run, RunSeen seen) {
+  float most_px = run.most_radius * swarm.albedo.a * view.pixels_at_1m / max(seen.nearest, view.near_m);
+  return leastHiddenRank(min(most_px, kLargestPointPx)) * (1.0 + kRunSlack);
+}

@@ -12,6 +12,7 @@ struct Seen {
   float along;   // distance along the view axis, m; 0: not in the picture
   float front;   // of the side that is seen, in the mean
   float radius;  // m
+  float shown_px;  // radius of a ball with its mean shadow
 };
 
 Seen seenOf(SwarmRecord grain) {
@@ -23,6 +24,11 @@ Seen seenOf(SwarmRecord grain) {
   bool inside = clip.w > view.near_m && all(greaterThanEqual(seen.pixel_px, vec2(0.0))) &&
                 all(lessThan(seen.pixel_px, view.size_px));
   seen.along = inside ? clip.w : 0.0;
+  seen.shown_px = min(seen.radius * swarm.albedo.a * view.pixels_at_1m / clip.w, kLargestPointPx);
   seen.front = max(clip.w - kMeanFront * seen.radius, view.near_m);
   return seen;
+}
+
+float weightOf(Seen seen, uint grain) {
+  return pointWeight(pointRank(grain % kRunGrains, firstRank(grain / kRunGrains)), leastHiddenRank(seen.shown_px));
 }

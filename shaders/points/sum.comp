@@ -8,8 +8,10 @@ layout(std430, binding = kPointKeysBinding) buffer Keys { uint keys[]; };
 layout(r32ui, binding = kOverdrawImage) uniform uimage2D overdraw;
 #endif
 
-#include "points/run_hidden.glsl"
+#define SWARM_LISTED
+#include "points/splat.glsl"
 
+layout(std430, binding = kSwarmCommandsBinding) readonly buffer Commands { SwarmCommands commands; };
 layout(std430, binding = kPointSumsBinding) buffer Sums { uint sums[]; };  // r, g, b, area a pixel
 layout(std430, binding = kPointCarriesBinding) buffer Carries { uint carries[]; };
 layout(std430, binding = kPointRadiiBinding) buffer Radii { uint radii[]; };  // of the foremost
@@ -48,54 +50,32 @@ void add(ivec2 pixel, float area, vec3 color, vec2 surface, bool shows) {
 #endif
 }
 
-void main() {
-  if (gl_GlobalInvocationID.x >= swarm.run_count) return;
-  uint run = order[gl_GlobalInvocationID.x], first = run * kRunGrains, word = run * kRunWords, end = word + kRunWords;
-  SwarmRun bounds = runs[run];
-  RunSeen place = runSeenOf(bounds);
-  float most_band = pointBand(bounds.most_radius, place.farthest / view.pixels_at_1m);
-  float front = (place.nearest - kMeanFront * bounds.most_radius) * (1.0 - kRunSlack) - most_band * (1.0 + kRunSlack);
-  if (front > 0.0 && allNearer(place, pointKey(front) + 1u)) word = end;
-  // First which grains are seen, then what they add: adding is much dearer, even where it is left out for most.
-  uvec2 visible = uvec2(0u);
-  for (uint in_run = 0u; word < end; ++word, in_run += 8u)
-    for (uint points = pointsOf(representations[word]); points != 0u; points &= points - 1u) {
-      uint k = in_run + (uint(findLSB(points)) >> 2u);
-      Seen seen = seenOf(records[first + k]);
-      if (seen.along == 0.0) continue;
-      uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
-      float pixel_m = seen.along / view.pixels_at_1m;
-      if (seen.front > alongOf(keys[at] & ~kPointMark) + pointBand(seen.radius, pixel_m)) continue;
-      if (k < 32u) visible.x |= 1u << k;
-      else visible.y |= 1u << (k - 32u);
-    }
-  while ((visible.x | visible.y) != 0u) {
-    bool low = visible.x != 0u;
-    uint bits = low ? visible.x : visible.y, grain = first + uint(findLSB(bits)) + (low ? 0u : 32u);
-    if (low) visible.x &= visible.x - 1u;
-    else visible.y &= visible.y - 1u;
-    SwarmRecord record = records[grain];
-    Seen seen = seenOf(record);
-    float pixel_m = seen.along / view.pixels_at_1m, radius_px = min(seen.radius * swarm.albedo.a / pixel_m, kLargestPointPx);
+void addGrain(uint grain) {
+  SwarmRecord record = records[grain];
+  Seen seen = seenOf(record);
 #ifndef OVERDRAW
-    uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
-    if (pointKey(seen.front) == (keys[at] & ~kPointMark)) {
-      atomicMax(radii[at], packPointRadii(vec2(seen.radius / pixel_m, radius_px)));
+  uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
+  if (pointKey(seen.front) == (keys[at] & ~kPointMark)) {
+    atomicMax(radii[at], packPointRadii(vec2(seen.radius * view.pixels_at_1m / seen.along, seen.shown_px)));
 #ifdef IDS
-      atomicMax(ids[at], idOf(grain));
+    atomicMax(ids[at], idOf(grain));
 #endif
-    }
-#endif
-    vec2 corner = seen.pixel_px - 0.5;
-    ivec2 base = ivec2(floor(corner));
-    vec2 fraction = corner - vec2(base);
-    float area = 3.14159265 * radius_px * radius_px;
-    vec4 shares = pointShares(fraction) * area;
-    // Not the number by which it became a point: those of one size have that in common.
-    uint pixels = pointPixels(area, ownShare(record.look ^ 0x68bc21ebu, record.size));
-    vec3 color = tintOf(record.look) * swarm.albedo.rgb;
-    vec2 surface = vec2(roughnessOf(record.look) * swarm.roughness, swarm.metallic);
-    for (uint k = 0u; k < 4u; ++k)
-      add(base + ivec2(k & 1u, k >> 1u), shares[k], color, surface, pointRank(fraction, k) < pixels);
   }
+#endif
+  vec2 corner = seen.pixel_px - 0.5;
+  ivec2 base = ivec2(floor(corner));
+  vec2 fraction = corner - vec2(base);
+  float area = 3.14159265 * seen.shown_px * seen.shown_px * weightOf(seen, grain);
+  vec4 shares = pointShares(fraction) * area;
+  // Not the number by which it became a point: those of one size have that in common.
+  uint pixels = pointPixels(area, ownShare(record.look ^ 0x68bc21ebu, record.size));
+  vec3 color = tintOf(record.look) * swarm.albedo.rgb;
+  vec2 surface = vec2(roughnessOf(record.look) * swarm.roughness, swarm.metallic);
+  for (uint k = 0u; k < 4u; ++k)
+    add(base + ivec2(k & 1u, k >> 1u), shares[k], color, surface, showRank(fraction, k) < pixels);
+}
+
+void main() {
+  uint step = 64u * gl_NumWorkGroups.x;
+  for (uint k = gl_GlobalInvocationID.x; k < commands.seen_points; k += step) addGrain(list[swarm.count - 1u - k]);
 }

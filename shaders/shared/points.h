@@ -32,7 +32,7 @@ const uint kPointMark = 1u << 31u;
 // `own`: a number of the grain's own, [0, 1).
 RULE uint pointPixels(float area, float own) { return uint(area + own); }
 // How many of the 2 x 2 pixels are nearer to the centre than this one, x + 2 y from the lower left one.
-RULE uint pointRank(vec2 fraction, uint pixel) {
+RULE uint showRank(vec2 fraction, uint pixel) {
   uint x = fraction.x < 0.5f ? 0u : 1u, y = fraction.y < 0.5f ? 0u : 1u;
   bool other_x = (pixel & 1u) != x, other_y = pixel >> 1u != y;
   bool x_first = abs(fraction.x - 0.5f) <= abs(fraction.y - 0.5f);
@@ -51,8 +51,38 @@ RULE float pointBand(float radius, float pixel_m) { return 2.5f * radius + pixel
 RULE uint packPointRadii(vec2 radii_px) { return packHalf2x16(radii_px); }
 RULE vec2 unpackPointRadii(uint code) { return unpackHalf2x16(code); }
 
-// How many points fill a pixel.
-RULE float pointsAPixel(float radius_px) { return max(1.0f / (3.14159265f * max(radius_px * radius_px, 1e-6f)), 1.0f); }
+// Where more points than this fill a pixel, some stand for all, their areas the larger (stochastic simplification: Cook,
+// Halstead, Planck and Ryu 2007, section 3): which ones is a matter of their ranks, and who leaves or joins as the camera
+// moves has shrunk to nothing then.
+const float kMostPointsAPixel = 10.0f;
+
+// How many points that are drawn fill a pixel.
+RULE float pointsAPixel(float radius_px) { return clamp(1.0f / (3.14159265f * max(radius_px * radius_px, 1e-6f)), 1.0f, kMostPointsAPixel); }
+
+// Points of ranks below this are drawn; all, if it is 1 or more. Ranks: [0, 1), evenly spread.
+const float kPointFade = 0.2f;  // share of the ranks that are drawn whose points are not yet full
+RULE float leastHiddenRank(float radius_px) {
+  return min(kMostPointsAPixel * 3.14159265f * radius_px * radius_px, 1.0f) * (1.0f / (1.0f - kPointFade));
+}
+// What a point's area is multiplied by: 1 in the mean over all ranks, 1 for each where all are drawn.
+RULE float pointWeight(float rank, float least_hidden) {
+  float s = max(least_hidden, 1e-12f), beyond = max(s - 1.0f, 0.0f);
+  float mean = s * (1.0f - 0.5f * kPointFade) - beyond * beyond / (2.0f * kPointFade * s);
+  return clamp((s - rank) / (kPointFade * s), 0.0f, 1.0f) / mean;
+}
+// Ranks of a run's grains, which are the further apart in space the nearer their ranks (van der Corput 1935); the runs'
+// differ by a number of their own.
+RULE float firstRank(uint run) { return float((run + 1u) * 0x9e3779b1u >> 8u) * (1.0f / (64.0f * 16777216.0f)); }
+RULE uint reversed3(uint k) { return (k & 1u) << 2u | (k & 2u) | k >> 2u; }
+RULE float pointRank(uint grain_in_run, float first_rank) {
+  return float(reversed3(grain_in_run & 7u) << 3u | reversed3(grain_in_run >> 3u)) * (1.0f / 64.0f) + first_rank;
+}
+// Bit k: whether that one of eight grains, those of word w of a run, may have a rank below this.
+RULE uint ranksBelow(float least_hidden, float first_rank, uint w) {
+  float ranks = clamp(ceil((least_hidden - first_rank) * 64.0f), 0.0f, 64.0f);
+  uint m = (uint(ranks) + 7u - reversed3(w)) >> 3u;  // of the eight, the first in the order 0 4 2 6 1 5 3 7
+  return (m > 7u ? 0xffu : m > 3u ? 0x7f775755u >> 8u * (m - 4u) : 0x15110100u >> 8u * m) & 255u;
+}
 
 // 1 / distance of the surface in the middle of a pixel, from that of its foremost point: where the surface recedes
 // within the pixel, the foremost of many points lies near its nearest edge, which shadows fall behind. Of n at random

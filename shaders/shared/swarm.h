@@ -96,6 +96,8 @@ struct SwarmCommands {
   uint walked_groups[3];          // of 8 runs: those that look at each grain of them
   uint walked;                    // runs of which each grain is looked at
   uint see_groups[3];             // of 8 x 8 pixels: those that note what is seen
+  uint seen_groups[3];            // of 64 points that are seen: those that visit these
+  uint seen_points;               // at the end of the list, the last one first
 };
 
 // Small impostors are drawn as points, others as triangles.

@@ -26,7 +26,7 @@ std::vector<SwarmGrain> layer(float radius, glm::vec2 half) {
 }
 
 TEST_F(PointsBeside, ALayerOnAFloorIsSeenAsIfThereWereNone) {
-  for (const float radius : {0.6f, 0.3f, 0.15f})
+  for (const float radius : {0.6f, 0.3f, 0.15f, 0.08f})
     for (const double elevation_deg : {88.0, 60.0, 30.0}) {
       PointScene scene({48, 36});
       const double e = elevation_deg * std::numbers::pi / 180, distance = 200;

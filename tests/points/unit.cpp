@@ -4,12 +4,15 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
 #include "engine/core/random.h"
 #include "shaders/shared/bed.h"
 #include "shaders/shared/points.h"
+#include "shaders/shared/swarm.h"
 
 namespace scree::test {
 namespace {
@@ -151,13 +154,13 @@ TEST(Shares, PixelsOfAPointAreItsAreaInTheMeanNearestFirst) {
       return glm::length(f - vec2(static_cast<float>(pixel & 1), static_cast<float>(pixel >> 1)));
     };
     uint32_t by_rank[4] = {9, 9, 9, 9};
-    for (uint32_t pixel = 0; pixel < 4; ++pixel) by_rank[rules::pointRank(f, pixel)] = pixel;
+    for (uint32_t pixel = 0; pixel < 4; ++pixel) by_rank[rules::showRank(f, pixel)] = pixel;
     for (int rank = 0; rank < 4; ++rank) ASSERT_LT(by_rank[rank], 4u) << f.x << " " << f.y;
     for (int rank = 0; rank < 3; ++rank) EXPECT_LE(away(by_rank[rank]), away(by_rank[rank + 1]) + 1e-6f) << f.x << " " << f.y;
   }
 }
 
-// Points at random in a pixel of a plane: the foremost, against the middle.
+// Points at random in a pixel of a plane, as many as are drawn: the foremost, against the middle.
 TEST(Depth, OfTheMiddleFromThatOfTheForemost) {
   for (const int count : {1, 4, 14, 127}) {
     const float radius_px = 1 / std::sqrt(3.14159265f * static_cast<float>(count));
@@ -166,13 +169,52 @@ TEST(Depth, OfTheMiddleFromThatOfTheForemost) {
     constexpr int kRounds = 4000;
     for (int round = 0; round < kRounds; ++round) {
       float foremost = 0;
-      for (int k = 0; k < count; ++k)
+      for (int k = 0; k < std::min(count, static_cast<int>(rules::kMostPointsAPixel)); ++k)
         foremost = std::max(foremost, 1 + change.y * (randomUnit(3, static_cast<uint64_t>(round), 0, static_cast<uint32_t>(k)) - 0.5f));
       sum += static_cast<double>(rules::middleInverse(foremost, change, radius_px));
     }
     EXPECT_NEAR(sum / kRounds, 1, 3e-4) << radius_px;
   }
   EXPECT_EQ(rules::middleInverse(1, vec2(100), 0.1f), 0.5f) << "never behind the eye";
+}
+
+// Whatever the share that is drawn; and no rank that has a weight is passed over.
+TEST(Ranks, WeightsAreOneInTheMean) {
+  for (float radius_px = 1; radius_px > 0.015f; radius_px *= 0.93f) {
+    const float least_hidden = rules::leastHiddenRank(radius_px);
+    constexpr uint32_t kRuns = 1 << 12;
+    double sum = 0;
+    for (uint32_t run = 0; run < kRuns; ++run)
+      for (uint32_t k = 0; k < rules::kRunGrains; ++k) {
+        const float rank = rules::pointRank(k, rules::firstRank(run)), weight = rules::pointWeight(rank, least_hidden);
+        ASSERT_TRUE(rank >= 0 && rank < 1) << run << " " << k;
+        const bool all = radius_px * radius_px * 3.14159265f * rules::kMostPointsAPixel >= 1;
+        ASSERT_NEAR(weight, all ? 1 : weight, 1e-6f) << radius_px;
+        const bool looked_at = (rules::ranksBelow(least_hidden, rules::firstRank(run), k >> 3) >> (k & 7) & 1) != 0;
+        ASSERT_TRUE(looked_at || weight == 0) << radius_px << " " << run << " " << k;
+        sum += static_cast<double>(weight);
+      }
+    EXPECT_NEAR(sum / kRuns / rules::kRunGrains, 1, 0.003) << radius_px;
+  }
+}
+TEST(Ranks, AreEachOfSixtyFourOnceAndFewWhereFewAreDrawn) {
+  std::set<float> all;
+  for (uint32_t k = 0; k < 64; ++k) all.insert(rules::pointRank(k, 0) * 64);
+  EXPECT_EQ(all.size(), 64u);
+  EXPECT_EQ(*all.rbegin(), 63);
+  for (int drawn = 0; drawn <= 64; ++drawn) {
+    int bits = 0;
+    for (uint32_t w = 0; w < 8; ++w) bits += std::popcount(rules::ranksBelow(static_cast<float>(drawn) / 64, 0, w));
+    EXPECT_EQ(bits, drawn);
+  }
+}
+// A camera that goes away by a hundredth changes no point's area by more than this, relative to the pixel's.
+TEST(Ranks, LeaveWithoutAJump) {
+  for (float radius_px = 0.4f; radius_px > 0.02f; radius_px *= 0.99f)
+    for (uint32_t k = 0; k < 64; ++k) {
+      const auto area = [&](float r) { return 3.14159265f * r * r * rules::pointWeight(rules::pointRank(k, 0.005f), rules::leastHiddenRank(r)); };
+      EXPECT_LT(std::abs(area(radius_px) - area(0.99f * radius_px)), 0.15f / rules::kMostPointsAPixel) << radius_px << " " << k;
+    }
 }
 
 TEST(Keys, AreOrderedAndGoBack) {

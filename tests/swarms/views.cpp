@@ -185,8 +185,8 @@ TEST_F(SwarmViews, OverdrawCountsPoints) {
   ViewScene scene({40, 30});
   scene.look({0, 0, 10}, {0, 0, 0});
   SwarmGrain grain;
-  grain.radius = 0.05f;
-  grain.position = vec3(0.03f, 0.02f, 0);  // not on the corner of four pixels
+  grain.radius = 0.1f;  // so that all are drawn
+  grain.position = vec3(0.03f, 0.02f, 0);      // not on the corner of four pixels
   const std::vector<SwarmGrain> grains(9, grain);
   scene.show(scene.addBall(), grains);
   scene.settings().view = SwarmView::Overdraw;
