@@ -53,7 +53,7 @@ struct Points {
   explicit Points(App& app) : world(app.world()) {}
 
   World& world;
-  gpu::Buffer keys, sums, carries, radii, ids, surfaces;  // by pixel
+  gpu::Buffer keys, sums, carries, foremost, ids, surfaces;  // by pixel
   MarkedTiles tiles{kTiles};
   gpu::Program depth = programOf("depth", 0), list = programOf("list", 0);
   gpu::Program count{{.name = "points.count", .compute = "points/sum.comp", .defines = {"OVERDRAW"}}};
@@ -61,7 +61,7 @@ struct Points {
 
   const SwarmsDrawn& swarms() { return world.singleton<const SwarmsDrawn>(); }
   void giveBack() {
-    for (gpu::Buffer* buffer : {&keys, &sums, &carries, &radii, &ids, &surfaces}) *buffer = {};
+    for (gpu::Buffer* buffer : {&keys, &sums, &carries, &foremost, &ids, &surfaces}) *buffer = {};
     tiles.giveBack();
   }
   const GrainShape& shape(size_t part) {
@@ -129,7 +129,7 @@ void splatSums(Points& points, ivec2 size, unsigned features) {
   if (!Points::made(points.sum, "sum", features).use()) return;
   Points::ready(points.sums, kSums, 4, rules::kPointSumsBinding, size);
   Points::ready(points.carries, "points.carries", 1, rules::kPointCarriesBinding, size);
-  Points::ready(points.radii, "points.radii", 1, rules::kPointRadiiBinding, size);
+  Points::ready(points.foremost, "points.foremost", 1, rules::kPointForemostBinding, size);
   if ((features & kIds) != 0) Points::ready(points.ids, "points.ids", 1, rules::kPointIdsBinding, size);
   if ((features & kSurfaces) != 0)
     Points::ready(points.surfaces, "points.surfaces", 2, rules::kPointSurfacesBinding, size);
@@ -155,7 +155,7 @@ void resolve(Points& points, unsigned features) {
   points.keys.bindStorage(rules::kPointKeysBinding);
   points.sums.bindStorage(rules::kPointSumsBinding);
   points.carries.bindStorage(rules::kPointCarriesBinding);
-  points.radii.bindStorage(rules::kPointRadiiBinding);
+  points.foremost.bindStorage(rules::kPointForemostBinding);
   if ((features & kIds) != 0) points.ids.bindStorage(rules::kPointIdsBinding);
   if ((features & kSurfaces) != 0) points.surfaces.bindStorage(rules::kPointSurfacesBinding);
   gpu::apply({.cull = gpu::Cull::None});

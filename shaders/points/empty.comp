@@ -6,7 +6,7 @@
 layout(local_size_x = kTilePx, local_size_y = 8) in;
 
 layout(std430, binding = kPointKeysBinding) writeonly buffer Keys { uint keys[]; };
-layout(std430, binding = kPointRadiiBinding) writeonly buffer Radii { uint radii[]; };
+layout(std430, binding = kPointForemostBinding) writeonly buffer ForemostPoints { uint foremost[]; };
 #ifdef IDS
 layout(std430, binding = kPointIdsBinding) writeonly buffer Ids { uint ids[]; };
 #endif
@@ -19,7 +19,7 @@ void main() {
   for (; pixel.y < end; pixel.y += int(gl_WorkGroupSize.y)) {
     uint at = uint(pixel.y) * uint(size.x) + uint(pixel.x);
     keys[at] = 0u;
-    radii[at] = 0u;
+    foremost[at] = 0u;
 #ifdef IDS
     ids[at] = 0u;
 #endif

@@ -6,7 +6,7 @@
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
 layout(std430, binding = kPointSumsBinding) buffer Sums { uvec4 sums[]; };
 layout(std430, binding = kPointCarriesBinding) buffer Carries { uint carries[]; };
-layout(std430, binding = kPointRadiiBinding) readonly buffer Radii { uint radii[]; };
+layout(std430, binding = kPointForemostBinding) readonly buffer ForemostPoints { uint foremost_points[]; };
 #ifdef SURFACES
 layout(std430, binding = kPointSurfacesBinding) buffer Surfaces { uvec2 surfaces[]; };
 #endif
@@ -25,28 +25,19 @@ uint at(ivec2 pixel) {
   return uint(p.y) * uint(view.size_px.x) + uint(p.x);
 }
 
-// The plane through the foremost points around a pixel: 1 / distance along the axis in it, and how that changes from pixel
-// to pixel.
-struct Plane {
-  float inverse;
-  vec2 change;
-};
-Plane planeAround(ivec2 pixel, float inverse) {
-  float sum = 0.0, count = 0.0;
-  vec2 moment = vec2(0.0), weight = vec2(0.0), offsets = vec2(0.0);
+// How 1 / distance along the axis changes from pixel to pixel, over the foremost points around one.
+vec2 changeAround(ivec2 pixel, float inverse) {
+  PlaneSums sums = PlaneSums(0.0, 0.0, vec2(0.0), vec3(0.0), vec2(0.0));
   float most = kMostSlope / view.pixels_at_1m * inverse;
+  ivec2 middle = clamp(pixel, ivec2(1), max(ivec2(view.size_px) - 2, ivec2(1)));  // as many at the picture's edge
   for (int k = 0; k < 9; ++k) {
-    ivec2 offset = ivec2(k % 3 - 1, k / 3 - 1);
-    float other = uintBitsToFloat(keys[at(pixel + offset)] & ~kPointMark), change = other - inverse;
+    ivec2 offset = middle - pixel + ivec2(k % 3 - 1, k / 3 - 1);
+    uint there = at(pixel + offset);
+    float other = uintBitsToFloat(keys[there] & ~kPointMark), change = other - inverse;
     if (other == 0.0 || abs(change) > most) continue;  // none, or of another surface
-    sum += change;
-    count += 1.0;
-    offsets += vec2(offset);
-    moment += vec2(offset) * change;
-    weight += vec2(offset * offset);
+    sums = addToPlane(sums, vec2(offset) + unpackForemost(foremost_points[there]).place_px, change);
   }
-  vec2 change = moment / max(weight, 1.0);
-  return Plane(inverse + (sum - dot(change, offsets)) / max(count, 1.0), change);
+  return planeChange(sums);
 }
 
 vec3 surfaceNormal(float inverse, vec2 change) {
@@ -88,17 +79,17 @@ void main() {
   bool lone = centers <= kLonePoints;
   if (key == 0u || (lone && !shows && area < kLoneArea)) discard;
   float foremost = uintBitsToFloat(key);
-  vec2 radii_px = unpackPointRadii(radii[id_at]);
-  Plane plane = planeAround(pixel, foremost);
-  vec2 change = plane.change;
-  if (!lone) foremost = mix(foremost, plane.inverse, 1.0 - 1.0 / pointsAPixel(radii_px.y));
-  float inverse = middleInverse(foremost, change, radii_px.y);
+  Foremost point = unpackForemost(foremost_points[id_at]);
+  vec2 radii_px = vec2(point.outer_px, point.shown_px), change = changeAround(pixel, foremost);
+  // In the middle of the pixel, where the point is not.
+  vec2 aside = vec2(int(id_at) % int(view.size_px.x), int(id_at) / int(view.size_px.x)) + point.place_px - gl_FragCoord.xy;
+  float inverse = clamp(foremost - dot(change, aside), 0.5 * foremost, 2.0 * foremost);
   vec3 to_eye = -normalize(ray), up = surfaceNormal(foremost, change);
   float steepness = lone ? 0.0 : bedSteepness(dot(to_eye, up), kBedPacking * min(area, 1.0));
   if (!lone) {
     float away = view.pixels_at_1m, receded = away * (foremost / inverse - 1.0);  // in pixels as wide as they are there
     float packing = 4.0 / 3.0 * radii_px.y * area / max(pointBand(radii_px.x, 1.0) - receded, radii_px.y);
-    inverse /= 1.0 + bedSeenDepth(packing, radii_px) / away;
+    inverse /= 1.0 + bedSeenDepth(packing, radii_px, receded) / away;
   }
   gl_FragDepth = min(view.near_m * inverse, 1.0);
 

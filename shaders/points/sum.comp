@@ -14,7 +14,7 @@ layout(r32ui, binding = kOverdrawImage) uniform uimage2D overdraw;
 layout(std430, binding = kSwarmCommandsBinding) readonly buffer Commands { SwarmCommands commands; };
 layout(std430, binding = kPointSumsBinding) buffer Sums { uint sums[]; };  // r, g, b, area a pixel
 layout(std430, binding = kPointCarriesBinding) buffer Carries { uint carries[]; };
-layout(std430, binding = kPointRadiiBinding) buffer Radii { uint radii[]; };  // of the foremost
+layout(std430, binding = kPointForemostBinding) buffer ForemostPoints { uint foremost[]; };
 #ifdef SURFACES
 layout(std430, binding = kPointSurfacesBinding) buffer Surfaces { uint surfaces[]; };  // roughness, metalness
 #endif
@@ -56,7 +56,7 @@ void addGrain(uint grain) {
 #ifndef OVERDRAW
   uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
   if (pointKey(seen.front) == (keys[at] & ~kPointMark)) {
-    atomicMax(radii[at], packPointRadii(vec2(seen.radius * view.pixels_at_1m / seen.along, seen.shown_px)));
+    atomicMax(foremost[at], packForemost(Foremost(seen.radius * view.pixels_at_1m / seen.along, seen.shown_px, fract(seen.pixel_px))));
 #ifdef IDS
     atomicMax(ids[at], idOf(grain));
 #endif

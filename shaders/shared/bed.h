@@ -41,12 +41,15 @@ RULE float bedSeen(vec3 shares, float facing) {
 }
 
 // How deep what is seen in a pixel lies behind the mean front of its foremost ball, pixels: sun and eye reach the deeper
-// between the balls the looser they lie, and of many the foremost is nearer than most. `packing`: balls / volume;
-// radii_px: see points.h. Fitted to the shadows on beds: modules/points/README.md. Not behind the foremost's centre, so
-// that what it lies on does not hide it.
-RULE float bedSeenDepth(float packing, vec2 radii_px) {
-  float loose = -log(clamp(packing, 0.1f, 1.0f));
-  return min(radii_px.y * loose * (1.0f - 1.0f / pointsAPixel(radii_px.y)), kMeanFront * radii_px.x);
+// between the balls the looser they lie, and of many the foremost is nearer than most. But where the bed recedes, it is
+// the foremost because it lies near the pixel's nearest edge, somewhere in a wedge that holds about one ball. `packing`:
+// balls / volume; radii_px: outer, and of a ball with its mean shadow; `receded`: of the bed in the pixel's middle behind
+// the foremost, pixels. Fitted to the shadows on beds and heaps: modules/points/README.md. Bounded, so that what a layer
+// lies on does not hide it.
+RULE float bedSeenDepth(float packing, vec2 radii_px, float receded) {
+  float loose = -log(clamp(packing, 0.1f, 1.0f)), n = pointsAPixel(radii_px.y);
+  float deep = min(1.8f * radii_px.y * loose, 1.6f * radii_px.x), in_wedge = 1.4f * sqrt(radii_px.y * max(receded, 0.0f) / n);
+  return (deep - in_wedge) * (1.0f - 1.0f / n);
 }
 
 // Mean of their normals: integrals of one to three normals over the half sphere, weighted by the cosine to the eye.

@@ -7,7 +7,7 @@ RULES_BEGIN
 // The map of candidates is of no use here.
 const int kPointCarriesBinding = kCandidateMapBinding;
 // Nor are the runs' counts.
-const int kPointRadiiBinding = kSwarmCountsBinding;
+const int kPointForemostBinding = kSwarmCountsBinding;
 
 // Sums are kept in whole numbers, whose order of addition does not matter: areas in this part of a pixel.
 // Colours of up to 255 times 2,056 pixels of area fit in 32 bits, and 1,024 times that with ten bits of carries;
@@ -47,9 +47,25 @@ const float kLoneArea = 1.0f;
 // a surface, and how far a surface seen at 45 degrees recedes within a pixel. m.
 RULE float pointBand(float radius, float pixel_m) { return 2.5f * radius + pixel_m; }
 
-// The radii of a pixel's foremost point, in pixels: outer, and that of a ball with its mean shadow.
-RULE uint packPointRadii(vec2 radii_px) { return packHalf2x16(radii_px); }
-RULE vec2 unpackPointRadii(uint code) { return unpackHalf2x16(code); }
+// What a pixel knows of its foremost point.
+struct Foremost {
+  float outer_px;  // outer radius, within 0.8 %
+  float shown_px;  // that of a ball with its mean shadow, no larger; within 0.8 % and a 500th of the outer one
+  vec2 place_px;   // where in the pixel its centre is, [0, 1), within a 128th
+};
+RULE uint packForemost(Foremost point) {
+  float outer = clamp(point.outer_px, 1e-4f, 6e4f);
+  uint share = uint(clamp(point.shown_px / outer, 0.0f, 1.0f) * 255.0f + 0.5f);
+  uint x = uint(clamp(point.place_px.x, 0.0f, 0.999f) * 64.0f), y = uint(clamp(point.place_px.y, 0.0f, 0.999f) * 64.0f);
+  return (packHalf2x16(vec2(outer, 0.0f)) + 4u) >> 3u << 20u | share << 12u | x << 6u | y;
+}
+RULE Foremost unpackForemost(uint code) {
+  Foremost point;
+  point.outer_px = unpackHalf2x16(code >> 20u << 3u).x;
+  point.shown_px = point.outer_px * (float(code >> 12u & 255u) * (1.0f / 255.0f));
+  point.place_px = (vec2(float(code >> 6u & 63u), float(code & 63u)) + vec2(0.5f, 0.5f)) * (1.0f / 64.0f);
+  return point;
+}
 
 // Where more points than this fill a pixel, some stand for all, their areas the larger (stochastic simplification: Cook,
 // Halstead, Planck and Ryu 2007, section 3): which ones is a matter of their ranks, and who leaves or joins as the camera
@@ -84,17 +100,33 @@ RULE uint ranksBelow(float least_hidden, float first_rank, uint w) {
   return (m > 7u ? 0xffu : m > 3u ? 0x7f775755u >> 8u * (m - 4u) : 0x15110100u >> 8u * m) & 255u;
 }
 
-// 1 / distance of the surface in the middle of a pixel, from that of its foremost point: where the surface recedes
-// within the pixel, the foremost of many points lies near its nearest edge, which shadows fall behind. Of n at random
-// on [0, 1] the greatest is n / (n + 1) in the mean. `change`: from pixel to pixel; n: as many as fill the pixel.
-RULE float middleInverse(float foremost, vec2 change, float radius_px) {
-  float n = pointsAPixel(radius_px);
-  float nearer = 0.5f * (n - 1.0f) / (n + 1.0f) * (abs(change.x) + abs(change.y));
-  return max(foremost - nearer, 0.5f * foremost);
-}
-
 // Points around belong to the same surface up to this change of distance, pixels a pixel: it is seen at 5 degrees.
 const float kMostSlope = 12.0f;
+
+// The plane through points: their places, pixels, and 1 / distance along the view axis, which is even on a plane.
+struct PlaneSums {
+  float count;
+  float inverse;
+  vec2 place;
+  vec3 places;  // xx, yy, xy
+  vec2 both;
+};
+RULE PlaneSums addToPlane(PlaneSums sums, vec2 place, float inverse) {
+  sums.count += 1.0f;
+  sums.inverse += inverse;
+  sums.place = sums.place + place;
+  sums.places = sums.places + vec3(place.x * place.x, place.y * place.y, place.x * place.y);
+  sums.both = sums.both + place * inverse;
+  return sums;
+}
+// How it changes from pixel to pixel; where points lie in a line, across it not at all.
+RULE vec2 planeChange(PlaneSums sums) {
+  float n = 1.0f / max(sums.count, 1.0f);
+  float xx = sums.places.x - sums.place.x * sums.place.x * n + 0.05f, yy = sums.places.y - sums.place.y * sums.place.y * n + 0.05f;
+  float xy = sums.places.z - sums.place.x * sums.place.y * n;
+  vec2 both = sums.both - sums.place * (sums.inverse * n);
+  return vec2(both.x * yy - both.y * xy, both.y * xx - both.x * xy) * (1.0f / (xx * yy - xy * xy));
+}
 
 // Shares of a point among the 2 x 2 pixels whose centres are around it: x and y from the lower left one.
 RULE vec4 pointShares(vec2 fraction) {

@@ -1,5 +1,5 @@
 // Grains below a pixel: a heap of balls from afar, by the module beside GL_POINTS of one pixel: time, light and
-// flicker against many samples a pixel of meshes.
+// flicker against many samples a pixel of exact spheres.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,10 +15,12 @@
 #include "engine/gpu/load.h"
 #include "engine/gpu/readback.h"
 #include "modules/deferred/deferred.h"
+#include "modules/grains/grains.h"
 #include "modules/lod/lod.h"
 #include "modules/occlusion/occlusion.h"
 #include "modules/points/points.h"
 #include "modules/scene/scene.h"
+#include "shaders/shared/octahedral.h"
 #include "tests/bench/bench.h"
 #include "tests/bench/gl_context.h"
 
@@ -36,7 +38,11 @@ Plan planOf(bool quick) {
   if (quick) return {100'000, {640, 360}, 16, {8, 20, 50}};
   return {1'600'000, {1280, 720}, 64, {6, 8, 20, 50}};
 }
+// The light is measured of fewer and larger ones: what matters is how many pixels they are.
+constexpr size_t kLitBalls = 100'000;
+constexpr ivec2 kLitSize{640, 360};
 constexpr double kFovY = 0.8, kElevation = 0.5236;  // rad: 30 degrees
+constexpr float kHeapHeight = 0.6f;                 // m; the cone's radius is 1
 
 // An octahedron whose triangles were split in four twice, corners on the unit sphere.
 MeshData ballMesh() {
@@ -83,7 +89,7 @@ flat in vec3 tint;
 layout(location = 0) out vec4 albedo;
 layout(location = 1) out vec4 normal;
 layout(location = 2) uniform vec4 facing;
-void main() { albedo = vec4(tint, 0.0); normal = facing; })";
+void main() { albedo = vec4(sqrt(tint), 0.0); normal = facing; })";
 
 // What a user would write first.
 struct GlPoints {
@@ -118,55 +124,103 @@ struct GlPoints {
   }
 };
 
-enum class Way { Grains, GlPoints };
+// Spheres: exact ones, as modules/grains draws them.
+enum class Way { Points, GlPoints, Spheres };
 
-// Balls at the places of densely packed ones, shaken: a cone 1 m in radius and 0.6 m high.
+// A cone of balls.
 struct Heap {
+  std::string name;
   std::vector<SwarmGrain> balls;
   float radius = 0;  // m
-  Heap() = default;
-  explicit Heap(size_t about) {
-    const float volume = std::numbers::pi_v<float> / 3 * 0.6f;
-    radius = std::cbrt(volume / (std::sqrt(32.0f) * static_cast<float>(about)));
-    const float step = std::sqrt(2.0f) * radius;
-    const int across = static_cast<int>(1 / step) + 1;
-    for (int y = 0; y <= across; ++y)
-      for (int z = -across; z <= across; ++z)
-        for (int x = -across; x <= across; ++x) {
-          if (((x + y + z) & 1) != 0) continue;
-          const auto unit = [&](uint32_t at) { return randomUnit(1, balls.size(), static_cast<uint64_t>(y), at); };
-          const vec3 p = vec3(x, y, z) * step + (vec3(unit(0), unit(1), unit(2)) - 0.5f) * (0.3f * radius);
-          if (p.y < 0 || std::hypot(p.x, p.z) >= 1 - p.y / 0.6f) continue;
-          const float tint = 0.3f + 0.4f * unit(3);
-          balls.push_back({.position = p, .radius = radius, .tint = vec3(tint, 0.8f * tint, 0.6f * tint)});
-        }
+
+  void add(vec3 position) {
+    const float tint = 0.3f + 0.4f * randomUnit(2, balls.size(), 0, 0);
+    balls.push_back({.position = position, .radius = radius, .tint = vec3(tint, 0.8f * tint, 0.6f * tint), .seed = static_cast<uint16_t>(balls.size())});
   }
 };
+float coneHeight(float x, float z) { return kHeapHeight * (1 - std::hypot(x, z)); }
+// Radius of so many balls that fill this share of the cone.
+float radiusOf(size_t about, float packing) { return std::cbrt(packing * 0.25f * kHeapHeight / static_cast<float>(about)); }
+
+// At the places of densely packed ones, shaken: layers, and steps where the cone cuts them.
+Heap lattice(size_t about) {
+  Heap heap{"lattice", {}, radiusOf(about, 0.7405f)};
+  const float step = std::sqrt(2.0f) * heap.radius;
+  const int across = static_cast<int>(1 / step) + 1;
+  for (int y = 0; y <= across; ++y)
+    for (int z = -across; z <= across; ++z)
+      for (int x = -across; x <= across; ++x) {
+        if (((x + y + z) & 1) != 0) continue;
+        const auto unit = [&](uint32_t at) { return randomUnit(1, heap.balls.size(), static_cast<uint64_t>(y), at); };
+        const vec3 p = vec3(x, y, z) * step + (vec3(unit(0), unit(1), unit(2)) - 0.5f) * (0.3f * heap.radius);
+        if (p.y >= 0 && p.y < coneHeight(p.x, p.z)) heap.add(p);
+      }
+  return heap;
+}
+
+// Each fell to that of a few places at random that lies the deepest below the cone's side.
+Heap poured(size_t about) {
+  Heap heap{"poured", {}, radiusOf(about, 0.55f)};
+  const float cell = 2 * heap.radius;
+  const int across = static_cast<int>(2 / cell) + 1;
+  std::vector<std::array<vec3, 4>> top(static_cast<size_t>(across * across), {vec3(0, -1, 0), vec3(0, -1, 0), vec3(0, -1, 0), vec3(0, -1, 0)});  // the latest in each cell
+  std::vector<uint32_t> count(top.size());
+  const auto cellAt = [&](float v) { return std::clamp(static_cast<int>((v + 1) / cell), 0, across - 1); };
+  uint64_t failed = 0;
+  for (uint64_t ball = 0; failed < 200; ++ball) {
+    vec3 best(0);
+    float most_room = 0;
+    for (uint32_t attempt = 0; attempt < 60; ++attempt) {
+      const float x = 2 * randomUnit(1, ball, attempt, 0) - 1, z = 2 * randomUnit(1, ball, attempt, 1) - 1;
+      const float side = coneHeight(x, z);
+      if (side < most_room) continue;
+      float y = 0;
+      const int i = cellAt(x), j = cellAt(z);
+      for (int b = std::max(j - 1, 0); b <= std::min(j + 1, across - 1); ++b)
+        for (int a = std::max(i - 1, 0); a <= std::min(i + 1, across - 1); ++a)
+          for (const vec3& other : top[static_cast<size_t>(b * across + a)]) {
+            const float room = cell * cell - (x - other.x) * (x - other.x) - (z - other.z) * (z - other.z);
+            if (room > 0) y = std::max(y, other.y + std::sqrt(room));
+          }
+      if (side - y > most_room) most_room = side - y, best = {x, y, z};
+    }
+    failed = most_room > 0 ? 0 : failed + 1;
+    if (most_room == 0) continue;
+    const auto at = static_cast<size_t>(cellAt(best.z) * across + cellAt(best.x));
+    top[at][count[at]++ % 4] = best;
+    heap.add(best);
+  }
+  return heap;
+}
 
 // The heap from a distance, 30 degrees above the ground.
 struct Picture {
   App app{AppOptions{}};
   World& world = app.world();
+  Way way;
   ivec2 size;
   GlPoints gl_points;
   gpu::Buffer records;  // of GL_POINTS
   size_t count;
   Entity heap, camera;
   dvec3 eye;
+  bool shadows = false;
 
-  Picture(Way way, ivec2 output, const Heap& balls)
-      : size(output), count(balls.balls.size()) {
+  Picture(Way way_in, ivec2 output, const Heap& balls)
+      : way(way_in), size(output), count(balls.balls.size()) {
     addScene(app);
     addDeferred(app);
     addOcclusion(app);
     addLod(app);
     addPoints(app);
+    addGrains(app);
+    app.addSystem({.name = "bench.shadows", .phase = Phase::Prepare, .needs = [this] { return way == Way::Spheres && !shadows; }, .run = [](World& w) { w.singleton<ShadowCasters>() = {}; }});
     app.frame().keep(kRadiance, true);
     app.frame().keep(kGbufferId, true);
     app.addPass({.name = "bench.gl_points",
                  .stage = Stage::GeometryLate,
                  .needs_text = "the way of the bench",
-                 .needs = [way] { return way == Way::GlPoints; },
+                 .needs = [this] { return way == Way::GlPoints; },
                  .uses = gbufferUses(),
                  .run = [this](PassContext&) { drawGlPoints(); }});
     GrainShape shape;
@@ -178,10 +232,19 @@ struct Picture {
       std::vector<rules::SwarmRecord> all(count);
       for (size_t k = 0; k < count; ++k) all[k] = packed(balls.balls[k], balls.radius);
       records = gpu::Buffer("bench.records", all.size() * sizeof(all[0]), all.data());
+    } else if (way == Way::Spheres) {
+      grainField(world).placed = true;
+      std::vector<GrainSpec> specs(count);
+      for (size_t k = 0; k < count; ++k) {
+        specs[k].grain = {balls.balls[k].position, balls.radius};
+        specs[k].look = {balls.balls[k].tint, 1};
+      }
+      spawnGrains(world, specs);
     } else {
       SwarmStore& store = world.singleton<SwarmStore>();
       heap = world.spawn(Transform{}, Swarm{store.add("heap", store.addShape(shape), balls.balls)});
     }
+    world.singleton<LodSettings>().only = rules::kPoint;
     camera = world.spawn(Transform{}, PreviousTransform{}, Camera{});
     world.singleton<ActiveCamera>().entity = camera;
     const Transform sun{dvec3(0), turned(glm::normalize(dvec3(0.5, 1, 0.7))), vec3(1)};
@@ -203,15 +266,16 @@ struct Picture {
     *world.find<Camera>(camera) = {static_cast<float>(kFovY), 0.1f};
   }
   void castShadows(bool cast) {
+    shadows = cast;
+    if (way != Way::Points) return;
     if (cast) world.add(heap, CastsShadow{});
     if (!cast) world.remove<CastsShadow>(heap);
   }
   void drawGlPoints() {
     records.bindStorage(rules::kSwarmRecordsBinding);
-    gl_points.draw(world.singleton<const View>().block, vec3(-eye), vec4(0.5f, 0.5f, 0.5f, 1), static_cast<uint32_t>(count));
+    gl_points.draw(world.singleton<const View>().block, vec3(-eye), vec4(rules::octPack24(rules::octEncode(vec3(glm::normalize(eye)))), 1), static_cast<uint32_t>(count));
   }
-  void render(uint32_t representation = rules::kPoint, int samples = 1) {
-    world.singleton<LodSettings>().only = representation;
+  void render(int samples = 1) {
     app.render(size, 1, 1, samples);
     glFinish();
   }
@@ -223,8 +287,8 @@ struct Picture {
     return all;
   }
   std::vector<double> truth(int samples) {
-    render(rules::kMesh, samples);
-    return luminance(kTruth);
+    render(samples);
+    return luminance(samples > 1 ? kTruth : kRadiance);
   }
   // Pixels around which there are grains on all sides.
   std::vector<bool> inside() {
@@ -262,27 +326,81 @@ double deviation(const std::vector<double>& values) {
 }
 
 // Mean over the heap's pixels of how much each changes while the picture slides by a pixel: points / 16 samples.
-double flicker(Picture& picture, double distance) {
+double flicker(Picture& points, Picture& spheres, double distance) {
   constexpr int kSteps = 8;
-  std::vector<std::vector<double>> points, samples;
+  std::vector<std::vector<double>> of_points, of_samples;
   std::vector<bool> where;
   for (int step = 0; step < kSteps; ++step) {
-    picture.look(distance, static_cast<double>(step) / kSteps);
-    picture.render();
-    points.push_back(picture.luminance());
-    const std::vector<bool> inside = picture.inside();
+    for (Picture* picture : {&points, &spheres}) picture->look(distance, static_cast<double>(step) / kSteps);
+    points.render();
+    of_points.push_back(points.luminance());
+    const std::vector<bool> inside = points.inside();
     where.resize(inside.size(), true);
     for (size_t k = 0; k < inside.size(); ++k) where[k] = where[k] && inside[k];
-    samples.push_back(picture.truth(16));
+    of_samples.push_back(spheres.truth(16));
   }
-  double of_points = 0, of_samples = 0;
+  double change = 0, change_of_samples = 0;
   for (size_t k = 0; k < where.size(); ++k) {
     if (!where[k]) continue;
     std::vector<double> a, b;
-    for (int step = 0; step < kSteps; ++step) a.push_back(points[static_cast<size_t>(step)][k]), b.push_back(samples[static_cast<size_t>(step)][k]);
-    of_points += deviation(a), of_samples += deviation(b);
+    for (int step = 0; step < kSteps; ++step) a.push_back(of_points[static_cast<size_t>(step)][k]), b.push_back(of_samples[static_cast<size_t>(step)][k]);
+    change += deviation(a), change_of_samples += deviation(b);
   }
-  return of_points / of_samples;
+  return change / change_of_samples;
+}
+
+// Times, and the least gain over GL_POINTS at any distance.
+double measureTime(Bench& bench, const Plan& plan, const Heap& heap) {
+  Picture points(Way::Points, plan.size, heap), gl_points(Way::GlPoints, plan.size, heap), empty(Way::Points, plan.size, Heap());
+  double least_gain = 1e30;
+  for (const double distance : plan.distances_m) {
+    for (Picture* picture : {&points, &gl_points, &empty}) picture->look(distance);
+    const Paired timed = bench.paired({{"points", [&] { points.render(); }}, {"GL_POINTS", [&] { gl_points.render(); }}, {"an empty frame", [&] { empty.render(); }}});
+    const auto ms = [&](size_t way) { return timed.variants[way].median_ms; };
+    const double gain = (ms(1) - ms(2)) / std::max(ms(0) - ms(2), 1e-3);
+    bench.progress("points: {} m: points {:.1f} ms, GL_POINTS {:.1f} ms, an empty frame {:.1f} ms, {:.1f} times", distance, ms(0), ms(1), ms(2), gain);
+    least_gain = std::min(least_gain, gain);
+    bench.fact(fmt::format("{} balls from {} m, ms: points, GL_POINTS, an empty frame, gain", heap.balls.size(), distance), fmt::format("{:.1f}, {:.1f}, {:.1f}, {:.1f}", ms(0), ms(1), ms(2), gain));
+  }
+  return least_gain;
+}
+
+struct Worst {
+  double mean = 0, shadowed = 0, pixel = 0;
+};
+// Light of a heap, and what was off at most.
+Worst measureLight(Bench& bench, int samples, const std::vector<double>& distances_m, const Heap& heap) {
+  Picture points(Way::Points, kLitSize, heap), gl_points(Way::GlPoints, kLitSize, heap), spheres(Way::Spheres, kLitSize, heap);
+  Worst worst;
+  for (const double distance : distances_m) {
+    const double radius_px = static_cast<double>(heap.radius) * kLitSize.y / (2 * std::tan(0.5 * kFovY) * distance);
+    for (Picture* picture : {&points, &gl_points, &spheres}) picture->look(distance);
+    std::vector<bool> inside;
+    const auto errors = [&](bool shadows) {
+      for (Picture* picture : {&points, &spheres}) picture->castShadows(shadows);
+      points.render();
+      gl_points.render();
+      inside = points.inside();
+      const std::vector<double> truth = spheres.truth(samples);
+      return std::array{errorOf(points.luminance(), truth, inside), errorOf(gl_points.luminance(), truth, inside)};
+    };
+    const auto with = errors(true), without = errors(false);
+    const Paired timed = bench.paired({{"points", [&] { points.render(); }}, {"GL_POINTS", [&] { gl_points.render(); }}});
+    bench.progress("points: {} heap, {} m, {:.2f} px: {:+.1f} %, with shadows {:+.1f} %", heap.name, distance, radius_px, 100 * without[0].mean, 100 * with[0].mean);
+    for (const size_t way : {0, 1})
+      bench.row({.scenario = fmt::format("{} heap of {} balls, from {} m, radius {:.2f} px", heap.name, heap.balls.size(), distance, radius_px),
+                 .label = way == 0 ? "points" : "GL_POINTS",
+                 .knobs = {{"distance, m", distance}},
+                 .time_ms = timed.variants[way].median_ms,
+                 .error = without[way].pixel,
+                 .error_kind = fmt::format("root mean square of the luminance against {} samples a pixel of exact spheres / its mean", samples),
+                 .baseline = way == 1,
+                 .measured = {{"mean luminance, %", 100 * without[way].mean}, {"with shadows, %", 100 * with[way].mean}, {"pixels", without[way].pixels}}});
+    worst.mean = std::max(worst.mean, std::abs(without[0].mean));
+    worst.shadowed = std::max(worst.shadowed, std::abs(with[0].mean));
+    worst.pixel = std::max(worst.pixel, without[0].pixel / without[1].pixel);
+  }
+  return worst;
 }
 
 }  // namespace
@@ -292,58 +410,18 @@ SCREE_BENCH(points, "grains below a pixel: splatted and summed, beside GL_POINTS
   bench.fact("gl_renderer", gpu::limits().renderer);
   bench.sweeps("distance, m");
   const Plan plan = planOf(bench.quick());
-  const Heap heap(plan.balls);
-  Picture points(Way::Grains, plan.size, heap), gl_points(Way::GlPoints, plan.size, heap), empty(Way::Grains, plan.size, Heap());
-  std::vector<Paired> times;
-  double least_gain = 1e30;
-  for (const double distance : plan.distances_m) {
-    for (Picture* picture : {&points, &gl_points, &empty}) picture->look(distance);
-    const Paired& timed = times.emplace_back(bench.paired({{"points", [&] { points.render(); }}, {"GL_POINTS", [&] { gl_points.render(); }}, {"an empty frame", [&] { empty.render(); }}}));
-    const auto ms = [&](size_t way) { return timed.variants[way].median_ms; };
-    bench.progress("points: {} m: points {:.1f} ms, GL_POINTS {:.1f} ms, an empty frame {:.1f} ms", distance, ms(0), ms(1), ms(2));
-    least_gain = std::min(least_gain, (ms(1) - ms(2)) / std::max(ms(0) - ms(2), 1e-3));
-  }
-  double worst_mean = 0, worst_shadowed = 0, worst_pixel = 0;
-  for (size_t at = 0; at < times.size(); ++at) {
-    const double distance = plan.distances_m[at];
-    const Paired& timed = times[at];
-    const double frame = timed.variants[2].median_ms, radius_px = static_cast<double>(heap.radius) * plan.size.y / (2 * std::tan(0.5 * kFovY) * distance);
-    points.look(distance), gl_points.look(distance);
-    points.render();
-    const std::vector<bool> inside = points.inside();
-    const std::vector<double> drawn = points.luminance();
-    const std::vector<double> truth = points.truth(plan.samples);
-    points.castShadows(true);
-    points.render();
-    const std::vector<double> shadowed = points.luminance();
-    const double shadowed_mean = errorOf(shadowed, points.truth(plan.samples), inside).mean;
-    points.castShadows(false);
-    gl_points.render();
-    const std::vector<double> theirs = gl_points.luminance();
-    const Error error = errorOf(drawn, truth, inside), baseline = errorOf(theirs, truth, inside);
-    const auto row = [&](const char* label, size_t way, const Error& e, const std::vector<double>& picture, double shadows) {
-      bench.row({.scenario = fmt::format("{} balls from {} m, radius {:.2f} px", heap.balls.size(), distance, radius_px),
-                 .label = label,
-                 .knobs = {{"distance, m", distance}},
-                 .time_ms = timed.variants[way].median_ms,
-                 .error = e.pixel,
-                 .error_kind = fmt::format("root mean square of the luminance against {} samples a pixel of meshes / its mean", plan.samples),
-                 .hash = hashBytes(picture.data(), picture.size() * sizeof(double)),
-                 .baseline = way == 1,
-                 .measured = {{"mean luminance, %", 100 * e.mean}, {"with shadows, %", 100 * shadows}, {"pixels", e.pixels}, {"an empty frame, ms", frame}}});
-    };
-    row("points", 0, error, drawn, shadowed_mean);
-    row("GL_POINTS", 1, baseline, theirs, 0);
-    worst_mean = std::max(worst_mean, std::abs(error.mean));
-    worst_shadowed = std::max(worst_shadowed, std::abs(shadowed_mean));
-    worst_pixel = std::max(worst_pixel, error.pixel / baseline.pixel);
-  }
+  const double least_gain = measureTime(bench, plan, lattice(plan.balls));
   bench.claimAtLeast("time of GL_POINTS / points, without an empty frame's, least of the distances", least_gain, 15);
-  bench.claimAtMost("error of the mean luminance, %, worst of the distances", 100 * worst_mean, 2);
-  bench.claimAtMost("the same with shadows", 100 * worst_shadowed, 2);
-  bench.claimAtMost("error of a pixel, points / GL_POINTS", worst_pixel, 0.5);
-  Picture slid(Way::Grains, {160, 90}, Heap(20'000));
-  bench.claimAtMost("flicker over a slide of a pixel, points / 16 samples", flicker(slid, 4), 1);
+  for (const Heap& heap : {poured(kLitBalls), lattice(kLitBalls)}) {
+    const Worst worst = measureLight(bench, plan.samples, plan.distances_m, heap);
+    bench.claimAtMost(fmt::format("{} heap: error of the mean luminance, %, worst of the distances", heap.name), 100 * worst.mean, 2);
+    bench.claimAtMost(fmt::format("{} heap: the same with shadows", heap.name), 100 * worst.shadowed, 2);
+    bench.claimAtMost(fmt::format("{} heap: error of a pixel, points / GL_POINTS", heap.name), worst.pixel, 0.5);
+  }
+  const Heap small = poured(20'000);
+  constexpr ivec2 kSlidSize{160, 90};
+  Picture points(Way::Points, kSlidSize, small), spheres(Way::Spheres, kSlidSize, small);
+  bench.claimAtMost("flicker over a slide of a pixel, points / 16 samples", flicker(points, spheres, 4), 1);
 }
 
 }  // namespace scree::bench

@@ -93,25 +93,53 @@ TEST(Bed, SteepnessIsThatOfBallsAtRandom) {
   }
 }
 
-TEST(Bed, WhatIsSeenLiesBetweenMeanFrontAndCentre) {
+TEST(Bed, WhatIsSeenLiesDeeperWhereItIsLoose) {
   for (uint64_t k = 0; k < 2000; ++k) {
     const float outer = std::pow(10.0f, -4 * randomUnit(8, k, 0, 0)), radius = outer * (0.3f + 0.7f * randomUnit(8, k, 0, 1));
-    const float packing = randomUnit(8, k, 0, 2), looser = 0.5f * packing;
-    const float depth = rules::bedSeenDepth(packing, vec2(outer, radius));
+    const float packing = randomUnit(8, k, 0, 2), looser = 0.5f * packing, receded = 2 * randomUnit(8, k, 0, 3);
+    const vec2 radii(outer, radius);
+    const float depth = rules::bedSeenDepth(packing, radii, 0);
     EXPECT_GE(depth, 0) << outer;
-    EXPECT_LE(depth, rules::kMeanFront * outer) << packing;
-    EXPECT_GE(rules::bedSeenDepth(looser, vec2(outer, radius)), depth) << "the looser the deeper";
+    EXPECT_LT(depth, (rules::kMeanFront + 1) * outer) << "not behind the far side of a layer";
+    EXPECT_GE(rules::bedSeenDepth(looser, radii, 0), depth);
+    EXPECT_LE(rules::bedSeenDepth(packing, radii, receded), depth) << "the foremost is none of the highest";
   }
-  EXPECT_EQ(rules::bedSeenDepth(0.5f, vec2(0.7f, 0.6f)), 0) << "one fills the pixel";
-  EXPECT_EQ(rules::bedSeenDepth(0, vec2(0)), 0);
+  EXPECT_EQ(rules::bedSeenDepth(0.5f, vec2(0.7f, 0.6f), 0.3f), 0) << "one fills the pixel";
+  EXPECT_EQ(rules::bedSeenDepth(0, vec2(0), 0), 0);
 }
 
-TEST(Points, RadiiAreKept) {
-  for (const vec2 radii : {vec2(0), vec2(1, 0.7f), vec2(0.013f, 0.009f), vec2(1e-4f, 6e-5f)}) {
-    const vec2 kept = rules::unpackPointRadii(rules::packPointRadii(radii));
-    EXPECT_NEAR(kept.x, radii.x, 1e-3f * radii.x);
-    EXPECT_NEAR(kept.y, radii.y, 1e-3f * radii.y);
+TEST(Foremost, IsKept) {
+  for (uint64_t k = 0; k < 2000; ++k) {
+    const float outer = std::pow(10.0f, -4 * randomUnit(9, k, 0, 0)), shown = outer * randomUnit(9, k, 0, 1);
+    const vec2 place(randomUnit(9, k, 0, 2), randomUnit(9, k, 0, 3));
+    const rules::Foremost kept = rules::unpackForemost(rules::packForemost({outer, shown, place}));
+    EXPECT_NEAR(kept.outer_px, outer, 8e-3f * outer);
+    EXPECT_NEAR(kept.shown_px, shown, 8e-3f * shown + 2.1e-3f * outer);
+    EXPECT_NEAR(kept.place_px.x, place.x, 1.0f / 128 + 1e-3f);
+    EXPECT_NEAR(kept.place_px.y, place.y, 1.0f / 128 + 1e-3f);
   }
+  EXPECT_GT(rules::packForemost({0, 0, vec2(0)}), 0u);
+  EXPECT_GT(rules::unpackForemost(rules::packForemost({1e30f, 1e30f, vec2(1)})).outer_px, 5e4f) << "no infinity";
+}
+
+// Its change by points at random places, with noise.
+TEST(Plane, IsFound) {
+  for (uint64_t k = 0; k < 200; ++k) {
+    const vec2 change = 0.04f * vec2(randomUnit(10, k, 0, 0) - 0.5f, randomUnit(10, k, 0, 1) - 0.5f);
+    rules::PlaneSums sums{};
+    for (uint32_t at = 0; at < 9; ++at) {
+      const vec2 place(static_cast<float>(at % 3) - 1 + randomUnit(10, k, at, 2), static_cast<float>(at / 3) - 1 + randomUnit(10, k, at, 3));
+      sums = rules::addToPlane(sums, place, glm::dot(change, place) + 1e-4f * (randomUnit(10, k, at, 4) - 0.5f));
+    }
+    const vec2 found = rules::planeChange(sums);
+    EXPECT_NEAR(found.x, change.x, 1e-4f + 0.02f * 0.04f);
+    EXPECT_NEAR(found.y, change.y, 1e-4f + 0.02f * 0.04f);
+  }
+  rules::PlaneSums line{};
+  for (const float x : {-1.0f, 0.0f, 1.0f}) line = rules::addToPlane(line, vec2(x, 0.5f), 0.01f * x);
+  EXPECT_NEAR(rules::planeChange(line).x, 0.01f, 3e-4f);
+  EXPECT_EQ(rules::planeChange(line).y, 0);
+  EXPECT_EQ(rules::planeChange(rules::addToPlane(rules::PlaneSums{}, vec2(0.3f, 0.4f), 0.5f)), vec2(0)) << "of one point";
 }
 
 TEST(Bed, NormalOfAPlaneIsFound) {
@@ -158,24 +186,6 @@ TEST(Shares, PixelsOfAPointAreItsAreaInTheMeanNearestFirst) {
     for (int rank = 0; rank < 4; ++rank) ASSERT_LT(by_rank[rank], 4u) << f.x << " " << f.y;
     for (int rank = 0; rank < 3; ++rank) EXPECT_LE(away(by_rank[rank]), away(by_rank[rank + 1]) + 1e-6f) << f.x << " " << f.y;
   }
-}
-
-// Points at random in a pixel of a plane, as many as are drawn: the foremost, against the middle.
-TEST(Depth, OfTheMiddleFromThatOfTheForemost) {
-  for (const int count : {1, 4, 14, 127}) {
-    const float radius_px = 1 / std::sqrt(3.14159265f * static_cast<float>(count));
-    const vec2 change(0, 0.02f);
-    double sum = 0;
-    constexpr int kRounds = 4000;
-    for (int round = 0; round < kRounds; ++round) {
-      float foremost = 0;
-      for (int k = 0; k < std::min(count, static_cast<int>(rules::kMostPointsAPixel)); ++k)
-        foremost = std::max(foremost, 1 + change.y * (randomUnit(3, static_cast<uint64_t>(round), 0, static_cast<uint32_t>(k)) - 0.5f));
-      sum += static_cast<double>(rules::middleInverse(foremost, change, radius_px));
-    }
-    EXPECT_NEAR(sum / kRounds, 1, 3e-4) << radius_px;
-  }
-  EXPECT_EQ(rules::middleInverse(1, vec2(100), 0.1f), 0.5f) << "never behind the eye";
 }
 
 // Whatever the share that is drawn; and no rank that has a weight is passed over.
