@@ -63,33 +63,39 @@ void main() {
   float area = sum.w / kPointAreaSteps;
   bool shows = (keys[here] & kPointMark) != 0u;
   if (!shows && area < least_area) discard;
-  uint own_key = keys[here] & ~kPointMark, key = own_key, id_at = here;
+  // The point that the pixel shows in its middle: the foremost of those that cover it, else that of the pixel itself; else
+  // of those around it, which cover it together.
+  uint own_key = keys[here] & ~kPointMark, key = own_key, around = 0u;
   int centers = 0;
-  ivec2 first = max(pixel - 1, ivec2(0)), last = min(pixel + 1, ivec2(view.size_px) - 1);
+  ivec2 shown = pixel, other_shown = pixel, first = max(pixel - 1, ivec2(0)), last = min(pixel + 1, ivec2(view.size_px) - 1);
+  bool covered = false;
   for (int y = first.y; y <= last.y; ++y)
     for (int x = first.x; x <= last.x; ++x) {
       uint there = at(ivec2(x, y)), other = keys[there] & ~kPointMark;
-      if (other != 0u) ++centers;
-      // No point has its centre in this pixel: those around it cover it.
-      if (own_key == 0u && other > key) {
-        key = other;
-        id_at = there;
-      }
+      if (other == 0u) continue;
+      ++centers;
+      Foremost point = unpackForemost(foremost_points[there]);
+      vec2 aside = vec2(x, y) + point.place_px - gl_FragCoord.xy;
+      bool covers = dot(aside, aside) < point.shown_px * point.shown_px;
+      if (covers && other >= key) key = other, shown = ivec2(x, y), covered = true;
+      if (other > around) around = other, other_shown = ivec2(x, y);
     }
+  if (key == 0u) key = around, shown = other_shown;
+  uint id_at = at(shown);
   bool lone = centers <= kLonePoints;
   if (key == 0u || (lone && !shows && area < kLoneArea)) discard;
   float foremost = uintBitsToFloat(key);
   Foremost point = unpackForemost(foremost_points[id_at]);
   vec2 radii_px = vec2(point.outer_px, point.shown_px), change = changeAround(pixel, foremost);
-  // In the middle of the pixel, where the point is not.
-  vec2 aside = vec2(int(id_at) % int(view.size_px.x), int(id_at) / int(view.size_px.x)) + point.place_px - gl_FragCoord.xy;
+  // A point that covers the middle of the pixel is what is there; another is carried there along the plane.
+  vec2 aside = covered ? vec2(0.0) : vec2(shown) + point.place_px - gl_FragCoord.xy;
   float inverse = clamp(foremost - dot(change, aside), 0.5 * foremost, 2.0 * foremost);
   vec3 to_eye = -normalize(ray), up = surfaceNormal(foremost, change);
   float steepness = lone ? 0.0 : bedSteepness(dot(to_eye, up), kBedPacking * min(area, 1.0));
   if (!lone) {
     float away = view.pixels_at_1m, receded = away * (foremost / inverse - 1.0);  // in pixels as wide as they are there
     float packing = 4.0 / 3.0 * radii_px.y * area / max(pointBand(radii_px.x, 1.0) - receded, radii_px.y);
-    inverse /= 1.0 + bedSeenDepth(packing, radii_px, receded) / away;
+    inverse /= 1.0 + bedSeenDepth(packing, radii_px, receded) * (covered ? kCoveredDepth : 1.0) / away;
   }
   gl_FragDepth = min(view.near_m * inverse, 1.0);
 

@@ -52,6 +52,9 @@ RULE float bedSeenDepth(float packing, vec2 radii_px, float receded) {
   return (deep - in_wedge) * (1.0f - 1.0f / n);
 }
 
+// Of a ball that covers the pixel's middle, so much of that.
+const float kCoveredDepth = 0.87f;
+
 // Mean of their normals: integrals of one to three normals over the half sphere, weighted by the cosine to the eye.
 RULE vec3 bedMeanNormal(vec3 to_eye, vec3 up, vec3 shares) {
   float facing = dot(to_eye, up);
