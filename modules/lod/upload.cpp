@@ -155,6 +155,7 @@ void addParts(SwarmsDrawn::State& state, const Placed& placed, const View& view,
     block.first = static_cast<uint32_t>(state.grain_count);
     block.first_id = grains_apart ? rules::kGrainIdBit | (block.first + 1) : placed.placement->entity.index + 1;
     block.run_count = runsOf(chunk.count);
+    block.rank_seed = placed.placement->entity.index + (static_cast<uint32_t>(k) << 24);
     if (!state.frozen || routes.ordered_version == 0) orderRuns(chunk, placed.resident->version, routes, -vec3(block.origin), state.order_scratch);
     Part part;
     part.shape = stored.shape;

@@ -141,7 +141,6 @@ void splatSums(Points& points, ivec2 size, unsigned features) {
 void count(Points& points, const gpu::Texture& overdraw) {
   if (!points.count.use()) return;
   overdraw.bindImage(rules::kOverdrawImage, GL_READ_WRITE);
-  points.keys.bindStorage(rules::kPointKeysBinding);
   points.dispatch(kSeen);
 }
 
@@ -187,6 +186,7 @@ void addPoints(App& app) {
                .uses = {{std::string(kSwarmRoutes), Access::StorageRead},
                         {std::string(kSwarmLists), Access::Indirect},
                         {kKeys, Access::StorageWrite},
+                        {kList, Access::StorageWrite},
                         {kTiles, Access::StorageWrite}},
                .run = [points](PassContext& context) { splatDepth(*points, context.input.size); }});
   app.addPass({.name = "points.list",
@@ -218,7 +218,6 @@ void addPoints(App& app) {
                .needs_content = {kList},
                .uses = {{kList, Access::StorageRead},
                         {kList, Access::Indirect},
-                        {kKeys, Access::StorageRead},
                         {std::string(kPointOverdraw), Access::StorageWrite}},
                .run = [points](PassContext& context) { count(*points, context.frame.texture(kPointOverdraw)); }});
   app.addPass({.name = "points.resolve",

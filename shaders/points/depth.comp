@@ -1,10 +1,11 @@
-// The foremost of the points in each pixel. Forgets which points were seen before: points.list enters them.
+// The foremost of the points in each pixel. Forgets which points were seen before, in a frozen frame too: points.list
+// enters them.
 #include "lib/mark_tiles.glsl"
 #include "shared/points.h"
 
 layout(std430, binding = kPointKeysBinding) buffer Keys { uint keys[]; };
 
-#include "points/run_hidden.glsl"
+#include "points/runs.glsl"
 
 layout(std430, binding = kSwarmCommandsBinding) buffer Commands { SwarmCommands commands; };
 
@@ -23,9 +24,9 @@ void main() {
   for (; w < kRunWords; ++w)
     for (uint points = drawnPoints(run, w, rank_bound); points != 0u; points &= points - 1u) {
       uint grain = run * kRunGrains + 8u * w + (uint(findLSB(points)) >> 2u);
-      Seen seen = seenOf(records[grain]);
-      if (seen.along == 0.0 || weightOf(seen, grain) == 0.0) continue;
-      uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
+      Seen seen = seenOf(records[grain], grain);
+      if (seen.along == 0.0) continue;
+      uint at = pixelAt(seen);
       uint key = pointKey(seen.front);
       if (keys[at] >= key) continue;
       // The first of a pixel: points add to the pixels around theirs, too.

@@ -5,7 +5,7 @@
 layout(std430, binding = kPointKeysBinding) readonly buffer Keys { uint keys[]; };
 layout(std430, binding = kSwarmListBinding) writeonly buffer List { uint list[]; };
 
-#include "points/run_hidden.glsl"
+#include "points/runs.glsl"
 
 layout(std430, binding = kSwarmCommandsBinding) buffer Commands { SwarmCommands commands; };
 
@@ -24,9 +24,9 @@ void main() {
   for (; w < kRunWords; ++w)
     for (uint points = drawnPoints(run, w, rank_bound); points != 0u; points &= points - 1u) {
       uint k = 8u * w + (uint(findLSB(points)) >> 2u), grain = run * kRunGrains + k;
-      Seen seen = seenOf(records[grain]);
-      if (seen.along == 0.0 || weightOf(seen, grain) == 0.0) continue;
-      uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
+      Seen seen = seenOf(records[grain], grain);
+      if (seen.along == 0.0) continue;
+      uint at = pixelAt(seen);
       if (seen.front > alongOf(keys[at]) + pointBand(seen.radius, seen.along / view.pixels_at_1m)) continue;
       if (k < 32u) visible.x |= 1u << k;
       else visible.y |= 1u << (k - 32u);

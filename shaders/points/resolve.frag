@@ -35,6 +35,7 @@ vec2 changeAround(ivec2 pixel, float inverse) {
     uint there = at(pixel + offset);
     float other = uintBitsToFloat(keys[there] & ~kPointMark), change = other - inverse;
     if (other == 0.0 || abs(change) > most) continue;  // none, or of another surface
+    if (any(greaterThanEqual(uvec2(pixel + offset), uvec2(view.size_px)))) continue;
     sums = addToPlane(sums, vec2(offset) + unpackForemost(foremost_points[there]).place_px, change);
   }
   return planeChange(sums);

@@ -1,5 +1,5 @@
-// What the points that are not hidden add to the pixels around them: area, and colour times area; and the mark of those
-// in which they show. IDS: the foremost point's id. SURFACES: roughness and metalness times area, where swarms differ in
+// What the points that are not hidden add to the pixels around them: area, and colour times area; the mark of those in
+// which they show; and what a pixel knows of its foremost point. IDS: that one's id. SURFACES: roughness and metalness times area, where swarms differ in
 // them. OVERDRAW: nothing of that, but how many are added.
 #include "shared/points.h"
 
@@ -52,9 +52,10 @@ void add(ivec2 pixel, float area, vec3 color, vec2 surface, bool shows) {
 
 void addGrain(uint grain) {
   SwarmRecord record = records[grain];
-  Seen seen = seenOf(record);
+  Seen seen = seenOf(record, grain);
+  if (seen.along == 0.0) return;
 #ifndef OVERDRAW
-  uint at = uint(seen.pixel_px.y) * uint(view.size_px.x) + uint(seen.pixel_px.x);
+  uint at = pixelAt(seen);
   if (pointKey(seen.front) == (keys[at] & ~kPointMark)) {
     atomicMax(foremost[at], packForemost(Foremost(seen.radius * view.pixels_at_1m / seen.along, seen.shown_px, fract(seen.pixel_px))));
 #ifdef IDS
@@ -65,14 +66,13 @@ void addGrain(uint grain) {
   vec2 corner = seen.pixel_px - 0.5;
   ivec2 base = ivec2(floor(corner));
   vec2 fraction = corner - vec2(base);
-  float area = 3.14159265 * seen.shown_px * seen.shown_px * weightOf(seen, grain);
-  vec4 shares = pointShares(fraction) * area;
+  vec4 shares = pointShares(fraction) * seen.area;
   // Not the number by which it became a point: those of one size have that in common.
-  uint pixels = pointPixels(area, ownShare(record.look ^ 0x68bc21ebu, record.size));
+  uint pixels = pointPixels(seen.area, ownShare(record.look ^ 0x68bc21ebu, record.size));
   vec3 color = tintOf(record.look) * swarm.albedo.rgb;
   vec2 surface = vec2(roughnessOf(record.look) * swarm.roughness, swarm.metallic);
   for (uint k = 0u; k < 4u; ++k)
-    add(base + ivec2(k & 1u, k >> 1u), shares[k], color, surface, showRank(fraction, k) < pixels);
+    add(base + ivec2(k & 1u, k >> 1u), shares[k], color, surface, shownInOrder(fraction, k) < pixels);
 }
 
 void main() {

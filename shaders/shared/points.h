@@ -32,7 +32,7 @@ const uint kPointMark = 1u << 31u;
 // `own`: a number of the grain's own, [0, 1).
 RULE uint pointPixels(float area, float own) { return uint(area + own); }
 // How many of the 2 x 2 pixels are nearer to the centre than this one, x + 2 y from the lower left one.
-RULE uint showRank(vec2 fraction, uint pixel) {
+RULE uint shownInOrder(vec2 fraction, uint pixel) {
   uint x = fraction.x < 0.5f ? 0u : 1u, y = fraction.y < 0.5f ? 0u : 1u;
   bool other_x = (pixel & 1u) != x, other_y = pixel >> 1u != y;
   bool x_first = abs(fraction.x - 0.5f) <= abs(fraction.y - 0.5f);
@@ -68,8 +68,8 @@ RULE Foremost unpackForemost(uint code) {
 }
 
 // Where more points than this fill a pixel, some stand for all, their areas the larger (stochastic simplification: Cook,
-// Halstead, Planck and Ryu 2007, section 3): which ones is a matter of their ranks, and who leaves or joins as the camera
-// moves has shrunk to nothing then.
+// Halstead, Planck and Ryu 2007, section 3): which ones is a matter of their ranks. Who leaves or joins as the camera moves
+// has no area then, and lies a band behind where it is, so that the foremost are others.
 const float kMostPointsAPixel = 10.0f;
 
 // How many points that are drawn fill a pixel.
@@ -80,24 +80,46 @@ const float kPointFade = 0.2f;  // share of the ranks that are drawn whose point
 RULE float leastHiddenRank(float radius_px) {
   return min(kMostPointsAPixel * 3.14159265f * radius_px * radius_px, 1.0f) * (1.0f / (1.0f - kPointFade));
 }
-// What a point's area is multiplied by: 1 in the mean over all ranks, 1 for each where all are drawn.
-RULE float pointWeight(float rank, float least_hidden) {
-  float s = max(least_hidden, 1e-12f), beyond = max(s - 1.0f, 0.0f);
-  float mean = s * (1.0f - 0.5f * kPointFade) - beyond * beyond / (2.0f * kPointFade * s);
-  return clamp((s - rank) / (kPointFade * s), 0.0f, 1.0f) / mean;
+// 0: not drawn, 1: in full.
+RULE float pointFullness(float rank, float least_hidden) {
+  float s = max(least_hidden, 1e-12f);
+  return clamp((s - rank) / (kPointFade * s), 0.0f, 1.0f);
 }
-// Ranks of a run's grains, which are the further apart in space the nearer their ranks (van der Corput 1935); the runs'
-// differ by a number of their own.
-RULE float firstRank(uint run) { return float((run + 1u) * 0x9e3779b1u >> 8u) * (1.0f / (64.0f * 16777216.0f)); }
+// What a full point's area is multiplied by, so that the mean over all ranks is 1; 1 where all are drawn.
+RULE float pointWeight(float least_hidden) {
+  float s = max(least_hidden, 1e-12f), beyond = max(s - 1.0f, 0.0f);
+  return 1.0f / (s * (1.0f - 0.5f * kPointFade) - beyond * beyond / (2.0f * kPointFade * s));
+}
+// Ranks of a run's grains: by their places in it, so that those of neighbours in space are far apart (van der Corput 1935),
+// but in each run and swarm in another way, so that no order in which grains are given has a part in who is drawn.
+struct RunRanks {
+  uint flipped;  // bits of a grain's place
+  float first;
+};
+RULE RunRanks ranksOfRun(uint run, uint seed) {
+  uint h = (run * 0x9e3779b1u ^ seed * 0x85ebca6bu) + 0x7f4a7c15u;
+  h = (h ^ h >> 15u) * 0x2c1b3c6du;
+  h = (h ^ h >> 12u) * 0x297a2d39u;
+  h = h ^ h >> 15u;
+  RunRanks ranks;
+  ranks.flipped = h & 63u;
+  ranks.first = float(h >> 8u) * (1.0f / (64.0f * 16777216.0f));
+  return ranks;
+}
 RULE uint reversed3(uint k) { return (k & 1u) << 2u | (k & 2u) | k >> 2u; }
-RULE float pointRank(uint grain_in_run, float first_rank) {
-  return float(reversed3(grain_in_run & 7u) << 3u | reversed3(grain_in_run >> 3u)) * (1.0f / 64.0f) + first_rank;
+RULE float rankOf(uint grain_in_run, RunRanks ranks) {
+  uint k = grain_in_run ^ ranks.flipped;
+  return float(reversed3(k & 7u) << 3u | reversed3(k >> 3u)) * (1.0f / 64.0f) + ranks.first;
 }
 // Bit k: whether that one of eight grains, those of word w of a run, may have a rank below this.
-RULE uint ranksBelow(float least_hidden, float first_rank, uint w) {
-  float ranks = clamp(ceil((least_hidden - first_rank) * 64.0f), 0.0f, 64.0f);
-  uint m = (uint(ranks) + 7u - reversed3(w)) >> 3u;  // of the eight, the first in the order 0 4 2 6 1 5 3 7
-  return (m > 7u ? 0xffu : m > 3u ? 0x7f775755u >> 8u * (m - 4u) : 0x15110100u >> 8u * m) & 255u;
+RULE uint ranksBelow(float least_hidden, RunRanks ranks, uint w) {
+  uint below = uint(clamp(ceil((least_hidden - ranks.first) * 64.0f), 0.0f, 64.0f));
+  uint m = (below + 7u - reversed3(w ^ ranks.flipped >> 3u)) >> 3u;  // of the eight, the first in the order 0 4 2 6 1 5 3 7
+  uint bits = (m > 7u ? 0xffu : m > 3u ? 0x7f775755u >> 8u * (m - 4u) : 0x15110100u >> 8u * m) & 255u;
+  if ((ranks.flipped & 1u) != 0u) bits = (bits & 0x55u) << 1u | (bits >> 1u & 0x55u);
+  if ((ranks.flipped & 2u) != 0u) bits = (bits & 0x33u) << 2u | (bits >> 2u & 0x33u);
+  if ((ranks.flipped & 4u) != 0u) bits = (bits & 0x0fu) << 4u | bits >> 4u;
+  return bits;
 }
 
 // Points around belong to the same surface up to this change of distance, pixels a pixel: it is seen at 5 degrees.

@@ -65,7 +65,7 @@ struct SwarmBlock {
   float candidate_cell;  // cells of the candidate map, in sizes of a grain
   uint cull;             // 1: what the depth pyramid hides is not drawn
   float small_px;        // below this an impostor shows one view
-  uint unused;           // std140
+  uint rank_seed;        // which points stand for others: shared/points.h
   Ellipsoid bound;       // the shape lies in it
 };
 

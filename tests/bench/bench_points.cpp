@@ -35,8 +35,8 @@ struct Plan {
   std::vector<double> distances_m;
 };
 Plan planOf(bool quick) {
-  if (quick) return {100'000, {640, 360}, 16, {5, 6, 7, 8, 12, 20, 50}};
-  return {1'600'000, {1280, 720}, 64, {6, 8, 20, 50}};
+  if (quick) return {100'000, {640, 360}, 16, {5, 6.5, 8, 12, 20, 50}};
+  return {1'600'000, {1280, 720}, 64, {5, 6.5, 8, 12, 20, 50}};
 }
 // The light is measured of fewer and larger ones: what matters is how many pixels they are.
 constexpr size_t kLitBalls = 100'000;

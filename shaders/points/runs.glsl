@@ -1,5 +1,5 @@
-// Whether points that were drawn before hide all grains of a run: where they are near each other, most runs of a heap
-// need no look at their grains.
+// Which grains of a run need a look: none if points that were drawn before hide the run, as they do most of a heap whose
+// runs are of one place; and those that may be drawn.
 #include "points/splat.glsl"
 #include "shared/swarm_run.h"
 
@@ -48,7 +48,7 @@ bool allNearer(RunSeen seen, uint key) {
 
 // Bit 4 k: whether grain k of word w may be a point that is drawn. `bound`: leastHiddenRank() of the run's largest.
 uint drawnPoints(uint run, uint w, float bound) {
-  return pointsOf(representations[run * kRunWords + w]) & bitsOfEight(ranksBelow(bound, firstRank(run), w));
+  return pointsOf(representations[run * kRunWords + w]) & bitsOfEight(ranksBelow(bound, ranksOfRun(run, swarm.rank_seed), w));
 }
 float rankBound(SwarmRun run, RunSeen seen) {
   float most_px = run.most_radius * swarm.albedo.a * view.pixels_at_1m / max(seen.nearest, view.near_m);
