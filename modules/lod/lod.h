@@ -101,7 +101,8 @@ class SwarmStore {
   // largest_radius (m, above 0), in several calls. Stored as they come: in an order as above they draw much faster.
   using Fill = std::function<void(uint64_t first, std::span<rules::SwarmRecord> records)>;
   uint32_t add(std::string name, uint32_t shape, uint64_t count, float largest_radius, const Fill& fill);
-  // New grains in place of the old; as many or not. None: the swarm's memory is given back.
+  // New grains in place of the old; as many or not. Grain k keeps what it was drawn as, whatever its place. None: the
+  // swarm's memory is given back.
   void replace(uint32_t swarm, std::span<const SwarmGrain> grains);
 
   struct Stored {
@@ -115,6 +116,7 @@ class SwarmStore {
     uint64_t version = 0;  // goes up when the grains change
     std::vector<std::vector<rules::SwarmRecord>> chunks;  // kSwarmChunk each, but the last
     std::vector<uint32_t> order;  // of grains as they were given, by place in space; of such swarms alone
+    double sorted_step_m = 0;     // mean distance of neighbours in it when it was made
   };
   const Stored& swarm(uint32_t handle) const;
   size_t swarmCount() const { return swarms_.size(); }

@@ -31,12 +31,22 @@ void warnOfRefused(const SwarmStore::Stored& stored, uint64_t given) {
              stored.name, stored.refused, given, kMostSwarmExtent, kMostSwarmRadius, rules::kRadiusSteps);
 }
 
-// Grains that moved keep their rows, as long as they are as many: what each was drawn as goes with it.
 void sortInSpace(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
-  if (stored.order.size() == grains.size()) return;
   std::vector<vec3> positions(grains.size());
   for (size_t k = 0; k < grains.size(); ++k) positions[k] = allowed(grains[k]) ? grains[k].position : vec3(0);
   stored.order = lod::orderInSpace(positions);
+}
+
+// Grains that moved keep their rows, and those that others join or leave nearly all of them: what each was drawn as, and
+// which stand for others from afar, goes with the row.
+void keepRows(std::vector<uint32_t>& order, size_t count) {
+  size_t end = order.size();
+  for (size_t row = 0; row < end;)
+    if (order[row] < count) ++row;
+    else order[row] = order[--end];
+  const auto known = static_cast<uint32_t>(std::min(order.size(), count));
+  order.resize(end);
+  for (uint32_t given = known; given < count; ++given) order.push_back(given);
 }
 
 // Counts a grain that is kept.
@@ -52,13 +62,22 @@ void bound(SwarmStore::Stored& stored, const rules::SwarmRecord& record) {
   ++stored.count;
 }
 
-void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
+// How far apart neighbours in the order are, on average, m.
+double stepInSpace(const SwarmStore::Stored& stored) {
+  double sum = 0;
+  vec3 last(0);
+  for (const std::vector<rules::SwarmRecord>& chunk : stored.chunks)
+    for (const rules::SwarmRecord& record : chunk) {
+      const vec3 at(record.x, record.y, record.z), way = glm::abs(at - last);
+      sum += static_cast<double>(way.x) + static_cast<double>(way.y) + static_cast<double>(way.z);
+      last = at;
+    }
+  return sum / static_cast<double>(std::max<uint64_t>(stored.count, 1));
+}
+
+void pack(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
   stored.count = stored.refused = 0;
-  stored.largest_radius = 0;
-  for (const SwarmGrain& grain : grains)
-    if (allowed(grain)) stored.largest_radius = std::max(stored.largest_radius, grain.radius);
   for (std::vector<rules::SwarmRecord>& chunk : stored.chunks) chunk.clear();
-  sortInSpace(stored, grains);
   for (const uint32_t given : stored.order) {
     const SwarmGrain& grain = grains[given];
     if (!allowed(grain) || rules::radiusOf(packed(grain, stored.largest_radius).size, 1) == 0) {
@@ -70,6 +89,27 @@ void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
     bound(stored, stored.chunks[chunk].emplace_back(packed(grain, stored.largest_radius)));
   }
   stored.chunks.resize((stored.count + kSwarmChunk - 1) / kSwarmChunk);
+}
+
+// Sorted anew once that would make neighbours much nearer.
+constexpr double kMostStepGrowth = 2;
+
+void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
+  stored.largest_radius = 0;
+  for (const SwarmGrain& grain : grains)
+    if (allowed(grain)) stored.largest_radius = std::max(stored.largest_radius, grain.radius);
+  const bool sorted = stored.order.empty();
+  if (sorted) sortInSpace(stored, grains);
+  else keepRows(stored.order, grains.size());
+  pack(stored, grains);
+  double step = stepInSpace(stored);
+  if (!sorted && step > kMostStepGrowth * stored.sorted_step_m) {
+    sortInSpace(stored, grains);
+    pack(stored, grains);
+    step = stepInSpace(stored);
+    stored.sorted_step_m = step;
+  }
+  if (sorted) stored.sorted_step_m = step;
   warnOfRefused(stored, grains.size());
   ++stored.version;
 }

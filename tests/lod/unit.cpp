@@ -298,13 +298,54 @@ TEST(SwarmStores, GrainsThatMoveKeepTheirRows) {
     return all;
   };
   const std::vector<uint32_t> before = seeds();
-  for (SwarmGrain& grain : grains) grain.position = vec3(grain.position.y, -grain.position.z, 3 * grain.position.x);
+  for (SwarmGrain& grain : grains) grain.position = vec3(grain.position.y, -grain.position.z, grain.position.x);
   store.replace(swarm, grains);
   EXPECT_EQ(seeds(), before);
-  grains.pop_back();
+  SwarmGrain fresh = grains[0];
+  fresh.seed = 100;
+  grains.push_back(fresh);
   store.replace(swarm, grains);
-  EXPECT_EQ(seeds().size(), 99u);
-  EXPECT_NE(seeds(), std::vector<uint32_t>(before.begin(), before.end() - 1)) << "sorted anew";
+  std::vector<uint32_t> now = seeds();
+  EXPECT_EQ(now.back(), 100u) << "who joins is the last";
+  now.pop_back();
+  EXPECT_EQ(now, before);
+  grains.resize(90);
+  store.replace(swarm, grains);
+  now = seeds();
+  ASSERT_EQ(now.size(), 90u);
+  int moved = 0;
+  for (size_t row = 0; row < now.size(); ++row) {
+    EXPECT_LT(now[row], 90u);
+    moved += now[row] != before[row];
+  }
+  EXPECT_LE(moved, 10) << "those in the places of who left";
+  EXPECT_EQ(std::set<uint32_t>(now.begin(), now.end()).size(), 90u);
+  store.replace(swarm, {});
+  EXPECT_EQ(store.swarm(swarm).count, 0u);
+}
+
+TEST(SwarmStores, RowsThatFitNoMoreAreSortedAnew) {
+  SwarmStore store;
+  GrainShape shape;
+  shape.levels = {{0, 0}};
+  const uint32_t handle = store.addShape(shape);
+  std::vector<SwarmGrain> grains(20'000);
+  for (size_t k = 0; k < grains.size(); ++k) grains[k].position = vec3(randomUnit(2, k, 0, 0), randomUnit(2, k, 0, 1), randomUnit(2, k, 0, 2));
+  const uint32_t swarm = store.add("mixed", handle, grains);
+  const auto widest = [&] {  // half of a run's box, along x, in the mean
+    const std::vector<rules::SwarmRecord>& records = store.swarm(swarm).chunks[0];
+    double sum = 0;
+    for (size_t first = 0; first + 64 <= records.size(); first += 64) {
+      const auto [low, high] = std::minmax_element(records.begin() + static_cast<long>(first), records.begin() + static_cast<long>(first) + 64, [](const auto& a, const auto& b) { return a.x < b.x; });
+      sum += static_cast<double>(high->x - low->x);
+    }
+    return sum / static_cast<double>(records.size() / 64);
+  };
+  const double sorted = widest();
+  std::rotate(grains.begin(), grains.begin() + 7'777, grains.end());
+  for (size_t k = 0; k + 1 < grains.size(); k += 2) std::swap(grains[k], grains[grains.size() - 1 - k]);
+  store.replace(swarm, grains);
+  EXPECT_NEAR(widest(), sorted, 0.05 * sorted);
 }
 
 TEST(MeshLevels, ErrorsHoldAgainstTheMesh) {

@@ -37,7 +37,7 @@ struct HeapScene : PointScene {
 };
 
 TEST_F(Points, CoverABedAndNothingBeside) {
-  for (const float radius : {0.82f, 0.6f, 0.3f, 0.15f}) {
+  for (const float radius : {0.82f, 0.6f, 0.3f, 0.15f, 0.08f}) {
     HeapScene scene(radius);
     scene.render();
     const std::vector<uint32_t> ids = scene.ids();
@@ -213,7 +213,7 @@ TEST_F(Points, OtherSizesLeaveNothingBehind) {
 }
 
 TEST_F(Points, AMillionAtOnePlaceKeepTheirColor) {
-  for (const float radius : {0.2f, 0.7f}) {
+  for (const float radius : {0.05f, 0.1f, 0.2f, 0.7f}) {
     PointScene scene({16, 16});
     scene.uniformSky(vec3(1));
     scene.look({0, 0, 100}, {0, 0, 0}, static_cast<float>(2 * std::atan(0.08)));

@@ -24,6 +24,7 @@ TEST_F(Threads, Hash) {
     const auto grains = pouredBed(0.3f, {20, 24}, 1);
     scene.show(scene.addBall(vec3(1), 1, 0), grains);
     scene.show(scene.addBall(vec3(1), 1, 1), cloud(5000, 12, 0.05f, 0.6f));
+    scene.show(scene.addBall(vec3(1), 1, 0), cloud(200'000, 14, 0.04f, 0.09f));  // some stand for all
     scene.render();
     uint64_t hash = 0;
     for (const std::string_view target : {kGbufferAlbedo, kGbufferNormal, kRadiance}) {
