@@ -2,6 +2,7 @@
 #include "engine/core/file.h"
 
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -104,6 +105,34 @@ Status checkOutputPath(const fs::path& path, std::string_view what) {
   return Done{};
 }
 
+namespace {
+
+sigset_t fileLimitSignal() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGXFSZ);
+  return set;
+}
+
+}  // namespace
+
+TemporaryFile::TemporaryFile(fs::path path) : path_(std::move(path)) {
+  const sigset_t limit = fileLimitSignal();
+  sigset_t before;
+  unblocks_ = pthread_sigmask(SIG_BLOCK, &limit, &before) == 0 && sigismember(&before, SIGXFSZ) == 0;
+}
+
+TemporaryFile::~TemporaryFile() {
+  std::error_code ignored;
+  fs::remove(path_, ignored);
+  if (!unblocks_) return;
+  // The kernel sends it to the thread that wrote: taken here, it does not come later.
+  const sigset_t limit = fileLimitSignal();
+  const timespec at_once{};
+  sigtimedwait(&limit, nullptr, &at_once);
+  pthread_sigmask(SIG_UNBLOCK, &limit, nullptr);
+}
+
 Status renameInto(const fs::path& temporary, const fs::path& path) {
   std::error_code code, ignored;
   const fs::file_status old = fs::status(path, ignored);
@@ -112,7 +141,6 @@ Status renameInto(const fs::path& temporary, const fs::path& path) {
   else
     fs::rename(temporary, path, code);
   if (!code) return Done{};
-  fs::remove(temporary, ignored);
   return Error{fmt::format("{}: cannot write: {}", path.string(), code.message()),
                ErrorKind::Failure};
 }

@@ -49,16 +49,27 @@ bool areSameFile(const std::filesystem::path& a, const std::filesystem::path& b)
 std::filesystem::path temporaryPath(const std::filesystem::path& path);
 Status renameInto(const std::filesystem::path& temporary, const std::filesystem::path& path);
 
+// While it lives, a file that grows beyond the process's limit is an error of the write in this thread, not the
+// program's end; and on its end the file is removed, unless it was renamed.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(std::filesystem::path path);
+  ~TemporaryFile();
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  bool unblocks_ = false;
+};
+
 template <class Write>
 Status writeThenRename(const std::filesystem::path& link, Write&& write) {
   const std::filesystem::path path = behindLink(link);
-  const std::filesystem::path temporary = temporaryPath(path);
-  if (Status written = write(temporary); !written.ok()) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    return written;
-  }
-  return renameInto(temporary, path);
+  const TemporaryFile temporary(temporaryPath(path));
+  if (Status written = write(temporary.path()); !written.ok()) return written;
+  return renameInto(temporary.path(), path);
 }
 
 }  // namespace scree

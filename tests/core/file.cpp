@@ -1,11 +1,13 @@
 // Whole-file reading and writing.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
+#include <stdexcept>
 
 #include "engine/core/file.h"
 
@@ -64,6 +66,30 @@ TEST_F(File, AFailedWriteKeepsTheOldFile) {
   EXPECT_NE(used, path);
   EXPECT_EQ(readText(path).value(), "old");
   EXPECT_EQ(filesInFolder(), 1u);
+}
+
+TEST_F(File, AFailedWriteLeavesNoTemporaryFile) {
+  ASSERT_TRUE(writeFile(path, "old").ok());
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{1 << 16, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const Status status = writeFile(path, std::string(1 << 20, 'x'));
+  const Status fits = writeFile(folder / "small.txt", "x");
+  setrlimit(RLIMIT_FSIZE, &before);
+  ASSERT_FALSE(status.ok());
+  EXPECT_EQ(status.error(), path.string() + ": cannot write: File too large");
+  EXPECT_TRUE(fits.ok());
+  EXPECT_EQ(readText(path).value(), "old");
+  EXPECT_EQ(filesInFolder(), 2u);
+
+  EXPECT_THROW((void)writeThenRename(path,
+                                     [](const fs::path& to) -> Status {
+                                       std::ofstream(to) << "half";
+                                       throw std::runtime_error("out of memory");
+                                     }),
+               std::runtime_error);
+  EXPECT_EQ(filesInFolder(), 2u);
 }
 
 TEST_F(File, LinksStayLinksAndPipesStayPipes) {
