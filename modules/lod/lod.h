@@ -88,8 +88,8 @@ inline constexpr uint32_t kSwarmChunk = 1u << 22;  // 96 MiB: below the least st
 // Shapes and swarms. World singleton. Handles are never reused; an unknown one ends the program.
 class SwarmStore {
  public:
-  // Ends the program if the shape has no level, too many, or radii that are not positive; its meshes must have
-  // been added to the MeshStore.
+  // Ends the program if the shape has no level or too many, a number that is not finite or below what it can be, or
+  // impostor sizes that fall; its meshes must have been added to the MeshStore.
   uint32_t addShape(GrainShape shape);
   const GrainShape& shape(uint32_t handle) const;
   size_t shapeCount() const { return shapes_.size(); }

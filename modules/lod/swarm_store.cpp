@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 #include "engine/core/log.h"
 #include "modules/lod/lod.h"
@@ -114,6 +116,47 @@ void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
   ++stored.version;
 }
 
+bool within(float x, float least, float most) { return x >= least && x <= most; }
+
+std::string faultOfErrors(const GrainShape& shape) {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  for (size_t k = 0; k < shape.levels.size(); ++k)
+    if (!within(shape.levels[k].error, 0, kMost)) return fmt::format("level {}: error {}, must be finite and at least 0", k, shape.levels[k].error);
+  if (!within(shape.point_outline, 0, kMost)) return fmt::format("point outline {}, must be finite and at least 0", shape.point_outline);
+  float before = 0;
+  for (size_t k = 0; k < shape.impostor.size(); ++k) {
+    const SizeError& e = shape.impostor[k];
+    if (!(e.size_px > 0 && within(e.size_px, before, kMost)))
+      return fmt::format("impostor size {}: {} px, must be above 0, finite and not below the one before", k, e.size_px);
+    before = e.size_px;
+    for (const float x : {e.outline, e.small_outline, e.near, e.small_near})
+      if (!within(x, 0, kMost)) return fmt::format("impostor size {}: outline error {}, must be finite and at least 0", k, x);
+    for (const float x : {e.ssim, e.mesh_ssim, e.small_ssim})
+      if (!within(x, -1, 1)) return fmt::format("impostor size {}: similarity {}, -1 to 1 are allowed", k, x);
+  }
+  return {};
+}
+
+// What is wrong with a shape; empty: nothing. Whether its meshes exist, lod.upload sees.
+std::string fault(const GrainShape& shape) {
+  constexpr float kLeastRadius = 1e-30f, kMostRadius = 1e10f;  // inverses are finite
+  if (shape.levels.empty() || shape.levels.size() > rules::kMeshLevels)
+    return fmt::format("{} mesh levels, 1 to {} are allowed", shape.levels.size(), rules::kMeshLevels);
+  if (!within(shape.outer_radius, kLeastRadius, kMostRadius))
+    return fmt::format("outer radius {}, {:g} to {:g} are allowed", shape.outer_radius, kLeastRadius, kMostRadius);
+  if (!within(shape.inner_radius, 0, shape.outer_radius))
+    return fmt::format("inner radius {}, 0 to {} are allowed", shape.inner_radius, shape.outer_radius);
+  const vec3& c = shape.center;
+  if (!allowedPlace(c.x, c.y, c.z))
+    return fmt::format("centre {} {} {}, coordinates to {:g} are allowed", c.x, c.y, c.z, kMostSwarmExtent);
+  if (!soundEllipsoid(shape.bound)) return "its bound is no ellipsoid; half-axes of 0.01 to 3 outer radii are allowed";
+  for (const float x : {shape.albedo.x, shape.albedo.y, shape.albedo.z, shape.roughness, shape.metallic, shape.cast_share, shape.facing})
+    if (!within(x, 0, std::numeric_limits<float>::max()))
+      return fmt::format("albedo {} {} {}, roughness {}, metallic {}, cast share {}, facing {}: all must be finite and at least 0",
+                         shape.albedo.x, shape.albedo.y, shape.albedo.z, shape.roughness, shape.metallic, shape.cast_share, shape.facing);
+  return faultOfErrors(shape);
+}
+
 }  // namespace
 
 rules::SwarmRecord packed(const SwarmGrain& grain, float largest_radius) {
@@ -140,16 +183,7 @@ bool soundEllipsoid(const rules::Ellipsoid& e) {
 }
 
 uint32_t SwarmStore::addShape(GrainShape shape) {
-  const auto refuse = [&](std::string_view what) {
-    fail(fmt::format("SwarmStore::addShape: shape \"{}\": {}", shape.name, what));
-  };
-  if (shape.levels.empty() || shape.levels.size() > rules::kMeshLevels)
-    refuse(fmt::format("{} mesh levels, 1 to {} are allowed", shape.levels.size(), rules::kMeshLevels));
-  if (!(std::isfinite(shape.outer_radius) && shape.outer_radius > 0))
-    refuse(fmt::format("outer radius {}, must be above 0", shape.outer_radius));
-  if (!(shape.inner_radius >= 0 && shape.inner_radius <= shape.outer_radius))
-    refuse(fmt::format("inner radius {}, 0 to {} are allowed", shape.inner_radius, shape.outer_radius));
-  if (!soundEllipsoid(shape.bound)) refuse("its bound is no ellipsoid; half-axes of 0.01 to 3 outer radii are allowed");
+  if (const std::string wrong = fault(shape); !wrong.empty()) fail(fmt::format("SwarmStore::addShape: shape \"{}\": {}", shape.name, wrong));
   shapes_.push_back(std::move(shape));
   return static_cast<uint32_t>(shapes_.size() - 1);
 }

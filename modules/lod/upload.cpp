@@ -1,10 +1,13 @@
 // lod.upload: brings swarms that changed to the GPU, and each frame the blocks of constants.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
 #include <glm/geometric.hpp>
 
 #include "engine/app/app.h"
+#include "engine/core/log.h"
 #include "modules/deferred/deferred.h"
 #include "modules/lod/state.h"
 #include "shaders/shared/candidate.h"
@@ -23,6 +26,9 @@ rules::SwarmCommands commandsOf(const MeshStore& meshes, const GrainShape& shape
   commands.walked_groups[1] = commands.walked_groups[2] = 1;
   for (size_t level = 0; level < shape.levels.size(); ++level) {
     const std::vector<MeshPart>& parts = meshes.mesh(shape.levels[level].mesh).parts;
+    if (parts.size() > rules::kMeshParts)
+      fail(fmt::format("lod.upload: shape \"{}\": level {}: {} parts of different materials; at most {} are allowed", shape.name, level,
+                       parts.size(), rules::kMeshParts));
     for (size_t k = 0; k < parts.size(); ++k)
       for (const uint32_t first : {0u, rules::kFirst})
         commands.meshes[rules::meshCommand(rules::kMesh + static_cast<uint32_t>(level) + first, static_cast<uint32_t>(k))] = {

@@ -243,6 +243,33 @@ TEST(SwarmStores, RefuseWhatIsNotFinite) {
   EXPECT_EQ(store.swarm(store.add("empty", handle, std::span<const SwarmGrain>{})).count, 0u);
 }
 
+TEST(SwarmStores, RefuseShapesWhoseNumbersCannotBe) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const auto add = [](auto change) {
+    GrainShape shape = measuredShape();
+    shape.name = "odd";
+    change(shape);
+    SwarmStore().addShape(shape);
+  };
+  add([](GrainShape&) {});
+  EXPECT_DEATH(add([](GrainShape& s) { s.levels.clear(); }), "shape \"odd\": 0 mesh levels, 1 to 4");
+  EXPECT_DEATH(add([](GrainShape& s) { s.levels.resize(5); }), "5 mesh levels");
+  for (const float x : {nan, inf, 0.0f, -1.0f, 1e-40f}) EXPECT_DEATH(add([x](GrainShape& s) { s.outer_radius = x; s.inner_radius = 0; }), "outer radius");
+  for (const float x : {nan, -1.0f, 1.1f}) EXPECT_DEATH(add([x](GrainShape& s) { s.inner_radius = x; }), "inner radius");
+  for (const float x : {nan, inf, -1e30f}) EXPECT_DEATH(add([x](GrainShape& s) { s.center.y = x; }), "centre");
+  EXPECT_DEATH(add([](GrainShape& s) { s.bound.center.w = 0; }), "no ellipsoid");
+  for (const float x : {nan, inf, -1.0f}) {
+    EXPECT_DEATH(add([x](GrainShape& s) { s.levels[1].error = x; }), "level 1: error");
+    EXPECT_DEATH(add([x](GrainShape& s) { s.point_outline = x; }), "point outline");
+    EXPECT_DEATH(add([x](GrainShape& s) { s.impostor[2].near = x; }), "impostor size 2: outline error");
+    EXPECT_DEATH(add([x](GrainShape& s) { s.albedo.z = x; }), "albedo");
+    EXPECT_DEATH(add([x](GrainShape& s) { s.cast_share = x; }), "cast share");
+    EXPECT_DEATH(add([x](GrainShape& s) { s.impostor[1].size_px = x; }), "impostor size 1: .* px, must");
+  }
+  EXPECT_DEATH(add([](GrainShape& s) { std::swap(s.impostor[3], s.impostor[4]); }), "impostor size 4: 16 px, must .* not below the one before");
+  for (const float x : {nan, 1.5f, -2.0f}) EXPECT_DEATH(add([x](GrainShape& s) { s.impostor[0].mesh_ssim = x; }), "similarity");
+}
+
 TEST(SwarmStores, EllipsoidsThatAreNoneAreKnown) {
   EXPECT_TRUE(soundEllipsoid(rules::unitBall()));
   const auto with = [](auto change) {
