@@ -55,7 +55,7 @@ Result<ImpostorChoice> chooseImpostor(const GrainMesh& grain, const ImpostorWish
   if (!unit.ok()) return Error{unit.error()};
   return chooseImpostor(wish, sizes, [&](int edge, int texels) -> Result<float> {
     Result<ImpostorAtlas> atlas =
-        bake(grain, {.edge = edge, .texels = texels, .directions = 0}, progress);
+        bake(grain, {.edge = edge, .texels = texels, .supersample = wish.supersample, .directions = 0}, progress);
     if (!atlas.ok()) return atlas.takeError();
     return impostors::flipAt(*unit, *atlas, wish.scheme, wish.diameter_px, directions);
   });

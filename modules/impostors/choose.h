@@ -14,6 +14,7 @@ struct ImpostorWish {
   float max_flip = 0.02f;  // mean FLIP there
   uint64_t max_bytes = uint64_t{32} << 20;  // impostorBytes()
   ImpostorScheme scheme = ImpostorScheme::Proxy;
+  int supersample = 4;  // with which it will be baked
 };
 struct ImpostorChoice {
   int edge = 0, texels = 0;

@@ -329,6 +329,17 @@ TEST(ImpostorChoice, AsksForMoreWhereLessErrorIsAllowed) {
   EXPECT_LT(rough->bytes, fine->bytes);
 }
 
+TEST(ImpostorChoice, IsMeasuredAsItWillBeBaked) {
+  const GrainMesh bean = test::model("coffee_bean.glb");
+  const auto flipOf = [&](int supersample) {
+    Result<ImpostorChoice> choice =
+        chooseImpostor(bean, {.diameter_px = 16, .max_flip = 0, .max_bytes = impostorBytes(3, 16), .supersample = supersample}, 2);
+    return choice.ok() ? choice->flip : -1;
+  };
+  EXPECT_GT(flipOf(1), 0);
+  EXPECT_NE(flipOf(1), flipOf(4));
+}
+
 TEST(ImpostorSheet, ShowsEveryViewAndFits) {
   const ImpostorAtlas atlas = smallAtlas();
   const images::Image sheet = contactSheet(atlas);

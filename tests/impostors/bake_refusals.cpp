@@ -51,6 +51,10 @@ TEST(BakeRefusals, FlagsThatMakeNoSense) {
            {out + " --error 0.1 --size nan", "--size nan"},
            {out + " --error -1", "--error -1: allowed is 0 to 1"},
            {out + " --error 0.1 --memory nan", "--memory nan: allowed is 0 to 768"},
+           {out + " --error 0.1 --views 5", "either it or these"},
+           {out + " --error 0.1 --texels 32", "either it or these"},
+           {out + " --error 0.1", "--error beside --directions 0"},
+           {out + " --size 20", "--size requires --error"},
            {out + " --views 1", "1"},
            {out + " --texels 17", "17"},
            {"--out /nonexistent/o", "there is no such folder"}}) {

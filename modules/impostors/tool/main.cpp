@@ -26,7 +26,8 @@ struct Arguments {
   scree::BakeParameters parameters;
   scree::ImpostorWish wish;
   double memory_mib = 32;
-  bool choose = false;
+  bool choose = false;     // --error is given
+  bool has_size = false;   // --views or --texels is
   int threads = 0;
 };
 
@@ -42,6 +43,9 @@ Status checkWish(const Arguments& a) {
                          Range{"--memory", a.memory_mib, 0, 768}})
     if (!(r.value >= r.least && r.value <= r.most))
       return Error{fmt::format("{} {:g}: allowed is {:g} to {:g}", r.flag, r.value, r.least, r.most)};
+  if (a.has_size) return Error{"--error chooses --views and --texels: allowed is either it or these"};
+  if (a.parameters.directions < 1)
+    return Error{fmt::format("--error beside --directions {}: errors are measured from some; allowed are 1 to 1024", a.parameters.directions)};
   return scree::Done{};
 }
 
@@ -80,6 +84,7 @@ Status run(Arguments& a) {
     Result<scree::ImpostorChoice> choice =
         scree::chooseImpostor(*grain, a.wish, std::max(a.parameters.directions, 1), show);
     if (!choice.ok()) return Error{choice.error()};
+    a.wish.supersample = a.parameters.supersample;
     a.parameters.edge = choice->edge;
     a.parameters.texels = choice->texels;
     if (!choice->good)
@@ -118,18 +123,20 @@ int main(int argc, char** argv) {
       ->type_name("FILE");
   impostor->add_option("--picture", a.picture, "Contact sheet of the views to write")
       ->type_name("FILE.png");
-  impostor
-      ->add_option("--views", a.parameters.edge,
-                   fmt::format("Vertices along an edge of the view octahedron, n: 4 (n - 1)^2 + 2 "
-                               "views (default {}; {} to {})",
-                               a.parameters.edge, scree::rules::kImpostorMinEdge,
-                               scree::kImpostorMaxBakedEdge))
-      ->type_name("N");
-  impostor
-      ->add_option("--texels", a.parameters.texels,
-                   fmt::format("Texels along a view's side: 16, 32, 64, 128 or 256 (default {})",
-                               a.parameters.texels))
-      ->type_name("P");
+  const CLI::Option* views =
+      impostor
+          ->add_option("--views", a.parameters.edge,
+                       fmt::format("Vertices along an edge of the view octahedron, n: 4 (n - 1)^2 + 2 "
+                                   "views (default {}; {} to {}); not with --error",
+                                   a.parameters.edge, scree::rules::kImpostorMinEdge,
+                                   scree::kImpostorMaxBakedEdge))
+          ->type_name("N");
+  const CLI::Option* texels =
+      impostor
+          ->add_option("--texels", a.parameters.texels,
+                       fmt::format("Texels along a view's side: 16, 32, 64, 128 or 256 (default {}); not with --error",
+                                   a.parameters.texels))
+          ->type_name("P");
   impostor
       ->add_option("--supersample", a.parameters.supersample,
                    fmt::format("Samples along a texel's side (default {}; 1 to 8)",
@@ -137,14 +144,14 @@ int main(int argc, char** argv) {
       ->type_name("N");
   impostor
       ->add_option("--directions", a.parameters.directions,
-                   fmt::format("Random directions to measure from (default {}; 0: none)",
+                   fmt::format("Random directions to measure from (default {}; 0: none, not with --error)",
                                a.parameters.directions))
       ->type_name("N");
   CLI::Option* error =
       impostor
           ->add_option(
               "--error", a.wish.max_flip,
-              "Choose --views and --texels: the smallest atlas with at most this mean FLIP")
+              "Choose --views and --texels, in their place: the smallest atlas with at most this mean FLIP")
           ->type_name("E");
   impostor
       ->add_option("--size", a.wish.diameter_px,
@@ -173,6 +180,7 @@ int main(int argc, char** argv) {
     const Status status = run(a);
     if (status.ok()) return kFine;
     scree::logError("{}", status.error());
+  a.has_size = views->count() + texels->count() > 0;
     return status.errorKind() == scree::ErrorKind::Failure ? kFailed : kBadInput;
   } catch (const std::exception& fault) {
     scree::logError("{}", fault.what());
