@@ -88,6 +88,27 @@ void bakeView(const UnitGrain& grain, const BakeParameters& parameters, int laye
   }
 }
 
+// Of an atlas that shows nothing: by an alpha that hides all, or by triangles thinner than its samples.
+Error unseen(const GrainMesh& grain, const ImpostorAtlas& atlas) {
+  for (size_t p = 0; p < grain.parts.size(); ++p) {
+    const int m = grain.parts[p].material;
+    if (m < 0 || grain.materials[static_cast<size_t>(m)].alpha_mode == AlphaMode::Opaque) continue;
+    const MaterialData& material = grain.materials[static_cast<size_t>(m)];
+    return Error{fmt::format("grain: part {} \"{}\": material {} \"{}\": its alpha is below {:g} wherever it is seen, so that the grain shows "
+                             "in none of its {} views; allowed is a grain of which something is opaque",
+                             p, grain.parts[p].name, m, material.name,
+                             material.alpha_mode == AlphaMode::Mask ? material.alpha_cutoff : 0.5f, atlas.views())};
+  }
+  return Error{fmt::format("grain: shows in none of its {} views of {} x {} texels: its triangles are too thin; more texels may show them",
+                           atlas.views(), atlas.texels, atlas.texels)};
+}
+
+bool showsNothing(const ImpostorAtlas& atlas) {
+  for (size_t k = 0; k < atlas.shape.size(); k += 2)
+    if (atlas.shape[k] > 0) return false;
+  return true;
+}
+
 }  // namespace
 
 Status checkParameters(const BakeParameters& p) {
@@ -148,6 +169,7 @@ Result<ImpostorAtlas> bake(const GrainMesh& mesh, const BakeParameters& paramete
       progress(static_cast<double>(done) / static_cast<double>(views) *
                (parameters.directions > 0 ? kViewsShare : 1));
   });
+  if (showsNothing(atlas)) return unseen(mesh, atlas);
   if (parameters.directions > 0) {
     atlas.errors = measure(*unit, atlas, parameters.directions, [&](double share) {
       if (progress) progress(kViewsShare + share * kMeasureShare);

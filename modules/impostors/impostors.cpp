@@ -62,7 +62,9 @@ Result<ImpostorAtlas> impostorOf(const std::filesystem::path& mesh, const BakePa
   if (Status fine = checkParameters(parameters); !fine.ok()) return fine.takeError();
   Result<GrainMesh> grain = grainOf(mesh);
   if (!grain.ok()) return grain.takeError();
-  return atlasOf(*grain, parameters, cache, progress);
+  Result<ImpostorAtlas> atlas = atlasOf(*grain, parameters, cache, progress);
+  if (!atlas.ok()) return Error{fmt::format("{}: {}", mesh.string(), atlas.error()), atlas.errorKind()};
+  return atlas;
 }
 
 namespace {
@@ -117,7 +119,7 @@ Result<uint32_t> loadGrainShape(World& world, const std::filesystem::path& mesh,
   Result<GrainMesh> grain = grainOf(mesh);
   if (!grain.ok()) return grain.takeError();
   Result<ImpostorAtlas> atlas = atlasOf(*grain, parameters, cache, progress);
-  if (!atlas.ok()) return atlas.takeError();
+  if (!atlas.ok()) return Error{fmt::format("{}: {}", mesh.string(), atlas.error()), atlas.errorKind()};
   return addGrainShape(world, mesh.stem().string(), *grain, std::move(atlas).value());
 }
 

@@ -433,6 +433,26 @@ TEST(ImpostorBake, MaskedMaterialsAreCutOut) {
   EXPECT_NEAR(cut / covered(grain), 0.5, 0.03);
 }
 
+TEST(ImpostorBake, RefusesWhatNoViewShows) {
+  GrainMesh grain = grainOf(globe(8));
+  grain.parts[0].name = "pane";
+  grain.materials[0].name = "glass";
+  grain.materials[0].base_color.w = 0;
+  EXPECT_TRUE(bake(grain, kSmall).ok()) << "opaque: its alpha does not count";
+  for (const AlphaMode mode : {AlphaMode::Blend, AlphaMode::Mask}) {
+    grain.materials[0].alpha_mode = mode;
+    Result<ImpostorAtlas> atlas = bake(grain, kSmall);
+    ASSERT_FALSE(atlas.ok());
+    EXPECT_NE(atlas.error().find("part 0 \"pane\": material 0 \"glass\": its alpha is below 0.5"), std::string::npos) << atlas.error();
+  }
+  // With something to be seen beside it.
+  grain.parts.push_back(globe(8, [](vec3 p) { return p * 0.5f; }));
+  EXPECT_TRUE(bake(grain, kSmall).ok());
+  Result<ImpostorAtlas> line = bake(grainOf(test::soup({{-1, 0, 0}, {1, 1e-6f, 0}, {1, 0, 0}})), kSmall);
+  ASSERT_FALSE(line.ok());
+  EXPECT_NE(line.error().find("too thin"), std::string::npos) << line.error();
+}
+
 // ---- Determinism and refusals ---------------------------------------------------------------
 
 TEST(ImpostorBake, BytesAreEqualForEveryNumberOfThreads) {

@@ -69,6 +69,10 @@ Status checkArguments(Arguments& a) {
   return scree::Done{};
 }
 
+Error inFile(const fs::path& path, const Error& error) {
+  return Error{fmt::format("{}: {}", path.string(), error.message), error.kind};
+}
+
 Status run(Arguments& a) {
   if (Status fine = checkArguments(a); !fine.ok()) return fine;
   scree::setThreadCount(a.threads);
@@ -80,11 +84,11 @@ Status run(Arguments& a) {
   auto bar = std::make_unique<scree::tool::ProgressBar>();
   const auto show = [&](double done) { bar->show(done); };
   if (a.choose) {
+    a.wish.supersample = a.parameters.supersample;
     a.wish.max_bytes = static_cast<uint64_t>(a.memory_mib * (1 << 20));
     Result<scree::ImpostorChoice> choice =
-        scree::chooseImpostor(*grain, a.wish, std::max(a.parameters.directions, 1), show);
-    if (!choice.ok()) return Error{choice.error()};
-    a.wish.supersample = a.parameters.supersample;
+        scree::chooseImpostor(*grain, a.wish, a.parameters.directions, show);
+    if (!choice.ok()) return inFile(a.mesh, choice.takeError());
     a.parameters.edge = choice->edge;
     a.parameters.texels = choice->texels;
     if (!choice->good)
@@ -93,7 +97,7 @@ Status run(Arguments& a) {
           a.memory_mib, a.wish.max_flip, a.wish.diameter_px, choice->flip);
   }
   Result<scree::ImpostorAtlas> atlas = scree::bake(*grain, a.parameters, show);
-  if (!atlas.ok()) return atlas.takeError();
+  if (!atlas.ok()) return inFile(a.mesh, atlas.takeError());
   if (Status written = scree::writeAtlas(a.out, *atlas); !written.ok()) return written;
   if (!a.picture.empty())
     if (Status written = scree::writeContactSheet(a.picture, *atlas); !written.ok()) return written;
@@ -176,11 +180,11 @@ int main(int argc, char** argv) {
     return kBadInput;
   }
   a.choose = error->count() > 0;
+  a.has_size = views->count() + texels->count() > 0;
   try {
     const Status status = run(a);
     if (status.ok()) return kFine;
     scree::logError("{}", status.error());
-  a.has_size = views->count() + texels->count() > 0;
     return status.errorKind() == scree::ErrorKind::Failure ? kFailed : kBadInput;
   } catch (const std::exception& fault) {
     scree::logError("{}", fault.what());
