@@ -21,7 +21,7 @@ using namespace impostors;
 
 // Of the bake's rules: raised with every change that makes other bytes of the same mesh.
 constexpr uint64_t kBakeVersion = 6;
-constexpr double kViewsShare = 0.5, kMeasureShare = 0.4;  // of the progress; bounding outlines takes the rest
+constexpr double kViewsShare = 0.4, kMeasureShare = 0.3;  // of the progress; bounding outlines takes the rest
 
 Shot shotOf(const vec3& axis, int texels, int supersample) {
   const rules::ImpostorBasis basis = rules::impostorBasis(axis);
@@ -174,8 +174,9 @@ Result<ImpostorAtlas> bake(const GrainMesh& mesh, const BakeParameters& paramete
     atlas.errors = measure(*unit, atlas, parameters.directions, [&](double share) {
       if (progress) progress(kViewsShare + share * kMeasureShare);
     });
-    atlas.errors.outlines = outlineBounds(*unit, atlas);
-    if (progress) progress(1);
+    atlas.errors.outlines = outlineBounds(*unit, atlas, [&](double share) {
+      if (progress) progress(kViewsShare + kMeasureShare + share * (1 - kViewsShare - kMeasureShare));
+    });
   }
   return atlas;
 }

@@ -31,8 +31,8 @@ struct Corner {
 
 class Canvas {
  public:
-  Canvas(const UnitGrain& grain, const Shot& shot, std::vector<Seen>& seen)
-      : grain_(grain), shot_(shot), seen_(seen) {}
+  Canvas(const UnitGrain& grain, std::span<const dvec3> positions, const Shot& shot, std::vector<Seen>& seen)
+      : grain_(grain), positions_(positions), shot_(shot), seen_(seen) {}
 
   Corner corner(const dvec3& p) const {
     const double scale = 0.5 * static_cast<double>(shot_.samples * kSubsamples) / shot_.extent;
@@ -46,7 +46,7 @@ class Canvas {
   void draw(int index) {
     const UnitTriangle& triangle = grain_.triangles[static_cast<size_t>(index)];
     Corner k[3];
-    for (int i = 0; i < 3; ++i) k[i] = corner(grain_.positions[triangle.v[i]]);
+    for (int i = 0; i < 3; ++i) k[i] = corner(positions_[triangle.v[i]]);
     int64_t area = edge(k[0].at, k[1].at, k[2].at);
     const bool flipped = area < 0;
     if (area == 0 || (flipped && !triangle.double_sided)) return;
@@ -85,15 +85,18 @@ class Canvas {
   }
 
   const UnitGrain& grain_;
+  std::span<const dvec3> positions_;
   const Shot& shot_;
   std::vector<Seen>& seen_;
 };
 
 }  // namespace
 
-void cast(const UnitGrain& grain, const Shot& shot, std::vector<Seen>& seen) {
+void cast(const UnitGrain& grain, const Shot& shot, std::vector<Seen>& seen) { cast(grain, grain.positions, shot, seen); }
+
+void cast(const UnitGrain& grain, std::span<const dvec3> positions, const Shot& shot, std::vector<Seen>& seen) {
   seen.assign(static_cast<size_t>(shot.samples) * static_cast<size_t>(shot.samples), {});
-  Canvas canvas(grain, shot, seen);
+  Canvas canvas(grain, positions, shot, seen);
   for (size_t i = 0; i < grain.triangles.size(); ++i) canvas.draw(static_cast<int>(i));
 }
 

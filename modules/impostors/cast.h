@@ -1,6 +1,7 @@
 // Which triangle of a grain each sample of an orthographic picture sees: an exact rasteriser.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "modules/impostors/unit_grain.h"
@@ -30,5 +31,7 @@ struct Seen {
 // Rows from the bottom. Back faces are seen only of double-sided materials. Of two at one height
 // the one that comes first in the mesh is seen.
 void cast(const UnitGrain& grain, const Shot& shot, std::vector<Seen>& seen);
+// The same of a grain whose vertices are elsewhere.
+void cast(const UnitGrain& grain, std::span<const dvec3> positions, const Shot& shot, std::vector<Seen>& seen);
 
 }  // namespace scree::impostors

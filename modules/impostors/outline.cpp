@@ -103,18 +103,14 @@ OutlineMask meshOutline(const UnitGrain& grain, const OutlineView& view, float s
   OutlineMask mask = empty(view, samples_a_radius);
   const dvec3 axis(view.axis), right(view.right), up(view.up);
   // What is nearer to the eye than the centre is larger by perspective; the rest is orthographic.
-  UnitGrain seen_grain;
-  seen_grain.vertices = grain.vertices;
-  seen_grain.triangles = grain.triangles;
-  seen_grain.materials = grain.materials;
-  seen_grain.images = grain.images;
-  seen_grain.positions.reserve(grain.positions.size());
+  std::vector<dvec3> positions;
+  positions.reserve(grain.positions.size());
   for (const dvec3& p : grain.positions) {
     const double height = glm::dot(p, axis), scale = 1 / (1 - static_cast<double>(view.nearness) * height);
-    seen_grain.positions.push_back((right * glm::dot(p, right) + up * glm::dot(p, up)) * scale + axis * (height * scale));
+    positions.push_back((right * glm::dot(p, right) + up * glm::dot(p, up)) * scale + axis * (height * scale));
   }
   std::vector<Seen> seen;
-  cast(seen_grain, {axis, right, up, 0.5 * mask.side / static_cast<double>(samples_a_radius), mask.side}, seen);
+  cast(grain, positions, {axis, right, up, 0.5 * mask.side / static_cast<double>(samples_a_radius), mask.side}, seen);
   for (size_t k = 0; k < seen.size(); ++k) mask.covered[k] = seen[k].triangle >= 0;
   return mask;
 }
@@ -157,8 +153,12 @@ double outlineOff(const OutlineMask& mask, const OutlineMask& truth) {
   return silhouetteError(mask.covered, truth.covered, truth.side, 1) / static_cast<double>(truth.samples_a_radius);
 }
 
-ImpostorOutlines outlineBounds(const UnitGrain& grain, const ImpostorAtlas& atlas) {
+ImpostorOutlines outlineBounds(const UnitGrain& grain, const ImpostorAtlas& atlas, const std::function<void(double)>& progress) {
   ImpostorOutlines bounds;
+  int done = 0;  // searches, of two a level and three more at most
+  const auto report = [&] {
+    if (progress) progress(static_cast<double>(++done) / (2 * atlas.levels() + 3));
+  };
   const auto worst = [&](int level, bool small, float nearness) {
     return kOutlineMargin * static_cast<float>(worstOf([&](const vec3& axis) {
              const OutlineView view = outlineView(axis, nearness);
@@ -170,7 +170,9 @@ ImpostorOutlines outlineBounds(const UnitGrain& grain, const ImpostorAtlas& atla
     const auto at = static_cast<size_t>(level);
     const float largest_px = impostorLevelMostPx(atlas.texels, level), least_px = impostorLevelMostPx(atlas.texels, level + 1);
     if (level == 0 || largest_px > kLeastFullPx) bounds.full[at] = worst(level, false, 0);
+    report();
     if (level + 1 == atlas.levels() || least_px < kMostSmallPx) bounds.small[at] = worst(level, true, 0);
+    report();
   }
   // Most at the sharpest levels.
   const auto slope = [&](bool small, const auto& levels) {
@@ -182,8 +184,11 @@ ImpostorOutlines outlineBounds(const UnitGrain& grain, const ImpostorAtlas& atla
                    const OutlineView view = outlineView(axis, 0);
                    return outlineOff(discOutline(disc, view, kSearchSamples), meshOutline(grain, view, kSearchSamples));
                  }));
+  report();
   bounds.full_near = slope(false, bounds.full);
+  report();
   bounds.small_near = slope(true, bounds.small);
+  report();
   return bounds;
 }
 

@@ -1,6 +1,8 @@
 // Outlines of a grain's mesh and of its impostor from an eye at any distance: how far apart they are.
 #pragma once
 
+#include <functional>
+
 #include <cstdint>
 #include <vector>
 
@@ -38,6 +40,7 @@ double outlineOff(const OutlineMask& mask, const OutlineMask& truth);
 // Searches for the worst views of an atlas: from many directions, then around the worst of them; what is found is
 // raised by kOutlineMargin for those that were not. The same for every number of threads.
 inline constexpr float kOutlineMargin = 1.1f;
-ImpostorOutlines outlineBounds(const UnitGrain& grain, const ImpostorAtlas& atlas);
+ImpostorOutlines outlineBounds(const UnitGrain& grain, const ImpostorAtlas& atlas,
+                               const std::function<void(double)>& progress = {});
 
 }  // namespace scree::impostors

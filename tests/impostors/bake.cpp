@@ -453,6 +453,20 @@ TEST(ImpostorBake, RefusesWhatNoViewShows) {
   EXPECT_NE(line.error().find("too thin"), std::string::npos) << line.error();
 }
 
+TEST(ImpostorBake, ProgressGoesOnInEveryPhase) {
+  std::vector<double> told;
+  BakeParameters parameters = kSmall;
+  parameters.directions = 2;
+  ASSERT_TRUE(bake(grainOf(globe(8)), parameters, [&](double done) { told.push_back(done); }).ok());
+  double before = 0;
+  for (const double done : told) {
+    EXPECT_GE(done, before);
+    EXPECT_LE(done - before, 0.06);
+    before = done;
+  }
+  EXPECT_NEAR(before, 1, 1e-9);
+}
+
 // ---- Determinism and refusals ---------------------------------------------------------------
 
 TEST(ImpostorBake, BytesAreEqualForEveryNumberOfThreads) {
