@@ -98,7 +98,8 @@ class SwarmStore {
   // stored in an order in which neighbours are near each other: runs of them are then hidden, or far, as a whole.
   uint32_t add(std::string name, uint32_t shape, std::span<const SwarmGrain> grains);
   // The same for many: `fill` writes records [first, first + records.size()), whose radii are shares of
-  // largest_radius (m, above 0), in several calls. Stored as they come: in an order as above they draw much faster.
+  // largest_radius (m, above 0), in several calls. Stored as they come: in an order as above they draw much
+  // faster, and from afar, where some stand for all, better.
   using Fill = std::function<void(uint64_t first, std::span<rules::SwarmRecord> records)>;
   uint32_t add(std::string name, uint32_t shape, uint64_t count, float largest_radius, const Fill& fill);
   // New grains in place of the old; as many or not. Grain k keeps what it was drawn as, whatever its place. None: the

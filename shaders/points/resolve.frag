@@ -64,8 +64,8 @@ void main() {
   float area = sum.w / kPointAreaSteps;
   bool shows = (keys[here] & kPointMark) != 0u;
   if (!shows && area < least_area) discard;
-  // The point that the pixel shows in its middle: the foremost of those that cover it, else that of the pixel itself; else
-  // of those around it, which cover it together.
+  // The point that the pixel shows in its middle: that of the pixel itself, or a nearer one that covers the middle; else the
+  // foremost of those around it, which cover it together.
   uint own_key = keys[here] & ~kPointMark, key = own_key, around = 0u;
   int centers = 0;
   ivec2 shown = pixel, other_shown = pixel, first = max(pixel - 1, ivec2(0)), last = min(pixel + 1, ivec2(view.size_px) - 1);
