@@ -19,7 +19,6 @@ namespace {
 constexpr int kLastClass = 0, kPerLargest = 1, kShapeShare = 2, kLargeTexels = 3, kListAt = 4, kCellClasses = 5;  // uniforms
 constexpr uint32_t kGroup = 64;
 constexpr float kLarge = 12;  // radius in texels: a run of 64 grains then is 40,000 rounds at most; see lod/sun_disc.glsl
-constexpr size_t kMostListed = 65535;
 
 gpu::Program compute(const char* name, std::vector<std::string> defines = {}) {
   return gpu::Program({.name = std::string("lod.") + name + (defines.empty() ? "" : "_list"),
@@ -80,7 +79,7 @@ void splat(const SwarmsDrawn::State& state, SunPrograms& programs, SunMap& map, 
   const size_t texels = static_cast<size_t>(view.size_px.x) * static_cast<size_t>(view.size_px.y);
   gpu::reserve(map.depth, "lod.sun_depth", 4 * (texels + tilesOf(view)));
   const bool lists = fitted.largest_texels > kLarge;
-  gpu::reserve(map.cells, "lod.sun_cells", 4 * (size_t{fitted.count} + (lists ? 4 + 4 * kMostListed : 0)));
+  gpu::reserve(map.cells, "lod.sun_cells", 4 * (size_t{fitted.count} + (lists ? 4 + 4 * size_t{rules::kMostWorkGroups} : 0)));
   gpu::barrier(GL_BUFFER_UPDATE_BARRIER_BIT);  // programs wrote both when it was last splatted
   map.depth.fill(0);
   map.cells.fill(0);

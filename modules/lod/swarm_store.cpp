@@ -64,33 +64,27 @@ void bound(SwarmStore::Stored& stored, const rules::SwarmRecord& record) {
   ++stored.count;
 }
 
-// How far apart neighbours in the order are, on average, m.
-double stepInSpace(const SwarmStore::Stored& stored) {
-  double sum = 0;
-  vec3 last(0);
-  for (const std::vector<rules::SwarmRecord>& chunk : stored.chunks)
-    for (const rules::SwarmRecord& record : chunk) {
-      const vec3 at(record.x, record.y, record.z), way = glm::abs(at - last);
-      sum += static_cast<double>(way.x) + static_cast<double>(way.y) + static_cast<double>(way.z);
-      last = at;
-    }
-  return sum / static_cast<double>(std::max<uint64_t>(stored.count, 1));
-}
-
-void pack(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
+// The mean distance of neighbours in the order, m.
+double pack(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
   stored.count = stored.refused = 0;
   for (std::vector<rules::SwarmRecord>& chunk : stored.chunks) chunk.clear();
+  double steps = 0;
+  vec3 last(0);
   for (const uint32_t given : stored.order) {
     const SwarmGrain& grain = grains[given];
     if (!allowed(grain) || rules::radiusOf(packed(grain, stored.largest_radius).size, 1) == 0) {
       ++stored.refused;
       continue;
     }
+    const vec3 way = glm::abs(grain.position - last);
+    if (stored.count > 0) steps += static_cast<double>(way.x) + static_cast<double>(way.y) + static_cast<double>(way.z);
+    last = grain.position;
     const size_t chunk = stored.count / kSwarmChunk;
     if (chunk == stored.chunks.size()) stored.chunks.emplace_back();
     bound(stored, stored.chunks[chunk].emplace_back(packed(grain, stored.largest_radius)));
   }
   stored.chunks.resize((stored.count + kSwarmChunk - 1) / kSwarmChunk);
+  return steps / static_cast<double>(std::max<uint64_t>(stored.count, 1));
 }
 
 // Sorted anew once that would make neighbours much nearer.
@@ -100,18 +94,15 @@ void take(SwarmStore::Stored& stored, std::span<const SwarmGrain> grains) {
   stored.largest_radius = 0;
   for (const SwarmGrain& grain : grains)
     if (allowed(grain)) stored.largest_radius = std::max(stored.largest_radius, grain.radius);
-  const bool sorted = stored.order.empty();
-  if (sorted) sortInSpace(stored, grains);
+  const bool fresh = stored.order.empty();
+  if (fresh) sortInSpace(stored, grains);
   else keepRows(stored.order, grains.size());
-  pack(stored, grains);
-  double step = stepInSpace(stored);
-  if (!sorted && step > kMostStepGrowth * stored.sorted_step_m) {
+  const double step = pack(stored, grains);
+  if (fresh) stored.sorted_step_m = step;
+  if (step > kMostStepGrowth * stored.sorted_step_m) {
     sortInSpace(stored, grains);
-    pack(stored, grains);
-    step = stepInSpace(stored);
-    stored.sorted_step_m = step;
+    stored.sorted_step_m = pack(stored, grains);
   }
-  if (sorted) stored.sorted_step_m = step;
   warnOfRefused(stored, grains.size());
   ++stored.version;
 }

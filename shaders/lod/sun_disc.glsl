@@ -5,15 +5,13 @@
 layout(location = 3) uniform float large_texels;  // a larger radius is large
 layout(location = 4) uniform uint list_at;        // in `cells`: the dispatch's work groups, count, discs
 
-const uint kMostListed = 65535u;  // GL's least limit of work groups
-
 layout(std430, binding = kSunCellsBinding) buffer SunCells { uint cells[]; };
 layout(std430, binding = kSunDepthBinding) buffer SunDepth { uint depth[]; };  // by texel; then 1 for each tile that is touched
 
 // False if there is no room.
 bool list(Caster caster) {
   uint at = atomicAdd(cells[list_at + 3u], 1u);
-  if (at >= kMostListed) return false;
+  if (at >= kMostWorkGroups) return false;
   atomicMax(cells[list_at], at + 1u);
   cells[list_at + 1u] = 1u;
   cells[list_at + 2u] = 1u;

@@ -9,9 +9,6 @@ layout(std430, binding = kSwarmListBinding) writeonly buffer List { uint list[];
 
 layout(std430, binding = kSwarmCommandsBinding) buffer Commands { SwarmCommands commands; };
 
-// A dispatch has no more along one axis.
-const uint kMostGroups = 65535u;
-
 void main() {
   if (gl_GlobalInvocationID.x >= swarm.run_count) return;
   uint run = order[gl_GlobalInvocationID.x], w = 0u;
@@ -34,7 +31,7 @@ void main() {
   uint count = uint(bitCount(visible.x) + bitCount(visible.y));
   if (count == 0u) return;
   uint before = atomicAdd(commands.seen_points, count), at = swarm.count - before;
-  atomicMax(commands.seen_groups[0], min((before + count + 63u) / 64u, kMostGroups));
+  atomicMax(commands.seen_groups[0], min((before + count + 63u) / 64u, kMostWorkGroups));
   for (; (visible.x | visible.y) != 0u;) {
     bool low = visible.x != 0u;
     uint bits = low ? visible.x : visible.y;

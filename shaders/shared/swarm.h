@@ -34,6 +34,9 @@ const uint kCountWords = 4u;  // of a run's counts, a byte a representation
 const float kSmallPx = 9.0f;
 const uint kMeshParts = 4u;  // of a shape, each of another material
 
+// A dispatch has no more along one axis: GL's least limit.
+const uint kMostWorkGroups = 65535u;
+
 // Grains that one invocation of the routing programs walks through, in order: what makes a list the
 // same in every run. Their representations are 4 bits each, eight a word.
 const uint kRunGrains = 64u;
