@@ -421,6 +421,7 @@ SCREE_BENCH(points, "grains below a pixel: splatted and summed, beside GL_POINTS
   const Heap small = poured(20'000);
   constexpr ivec2 kSlidSize{160, 90};
   Picture points(Way::Points, kSlidSize, small), spheres(Way::Spheres, kSlidSize, small);
+  bench.claimAtMost("flicker over a slide of a pixel, points / 16 samples", flicker(points, spheres, 4), 1);
   for (Picture* picture : {&points, &spheres}) picture->castShadows(true);
   for (const double distance : {2.5, 4.0, 12.0})
     bench.claimAtMost(fmt::format("flicker over a slide of a pixel with shadows, {:.2f} px, points / 16 samples", static_cast<double>(small.radius) * kSlidSize.y / (2 * std::tan(0.5 * kFovY) * distance)),
